@@ -1,6 +1,7 @@
 """The road wheel in small systems: loads, rolling, lift-off, standstill, general ground."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -319,6 +320,30 @@ def test_tyres_of_files_hold_a_locked_wheel_by_their_own_relaxation(settings):
     assert abs(later[rig["x"]] - state[rig["x"]]) < 1e-5
     rates = [abs(s[rig["x_rate"]]) for s in (state, later)]
     assert rates[1] < 0.25 * rates[0] or rates[1] < 1e-12
+
+
+@pytest.mark.parametrize("speed", [12.0, -12.0, 0.3])
+def test_turn_slip_is_the_yaw_rate_over_the_speed(speed):
+    """Forces are the law's at -ω/max(|v|, floor); a tyre without turn slip feels none."""
+    turning = TyreOfFile(file="passenger_R0394_mf61.tir", turn_slip=True)
+    rig = Rig(tyre=turning)
+    state = rig.state(z=LOADED, x_rate=speed, y_rate=0.2, yaw_rate=0.9, spin_rate=speed / LOADED)
+    out = rig.outputs(state)
+    curved = -0.9 / max(abs(speed), rig.wheel.floors.lateral)
+    assert out["wheel.tyre.turn_slip"] == pytest.approx(curved, rel=1e-12)
+    felt = [out[f"wheel.tyre.{n}"] for n in ("normal_force", "longitudinal_slip", "slip_angle")]
+    forces = turning.forces(TyreInput(*felt, 0.0, speed, curved))
+    plain = turning.forces(TyreInput(*felt, 0.0, speed))
+    for name in ("longitudinal_force", "lateral_force", "aligning_moment"):
+        assert out[f"wheel.tyre.{name}"] == pytest.approx(float(getattr(forces, name)), abs=1e-8)
+    assert abs(float(forces.aligning_moment) - float(plain.aligning_moment)) > 0.5
+
+
+def test_turn_slip_of_a_file_without_it_is_refused():
+    tyre = TyreOfFile(file="passenger_235_60R16_pac2002.tir", turn_slip=True)
+    with pytest.raises(InputError, match="turn_slip: the file or its law has none"):
+        Rig(tyre=tyre)
+    assert any("turn_slip" in line for line in tyre.problems_beside(Path()))
 
 
 def test_relaxation_of_tyres_without_lengths_is_refused():

@@ -19,6 +19,7 @@ from vehicledyn.road.tyres.pacejka.relaxation_lengths import (
     has_coefficients,
     has_stiffness,
 )
+from vehicledyn.road.tyres.pacejka.turn_slip import USED
 from vehicledyn.road.tyres.scaling_factors import ScalingFactors
 from vehicledyn.road.tyres.tyre import RelaxationLengths, Tyre, TyreForces, TyreInput
 
@@ -51,6 +52,15 @@ class FileTyre(Tyre):
         default="by_side",
         description="When the tyre is mirrored; 'symmetric' drops what differs from side to side",
     )
+
+    turn_slip: bool = Field(
+        default=False,
+        description="Whether turn slip acts, the curvature of the wheel's path, by the file's "
+        "coefficients; camber then acts as a spin, too",
+    )
+
+    knows_turn_slip: ClassVar[bool] = False
+    """Whether the law has turn slip."""
 
     @abstractmethod
     def steady_forces(self, p: Coefficients, contact: TyreInput) -> TyreForces:
@@ -102,6 +112,32 @@ class FileTyre(Tyre):
         if not has_stiffness(p):
             return None, None
         return p.LONGITUDINAL_STIFFNESS, p.LATERAL_STIFFNESS
+
+    @property
+    def feels_turn_slip(self) -> bool:
+        """Whether turn slip acts.
+
+        Raises
+        ------
+        InputError
+            If it is wanted, but the law has none, or the file no coefficients of it.
+        """
+        if not self.turn_slip:
+            return False
+        if not self.has_turn_slip:
+            raise InputError(
+                f"{self.path}: turn_slip: the file or its law has none; it takes Magic Formula 6.1 "
+                f"or 6.2 with one of {', '.join(USED)}; leave turn_slip out"
+            )
+        return True
+
+    @property
+    def has_turn_slip(self) -> bool:
+        """Whether the law has turn slip and the file coefficients of it."""
+        if not self.knows_turn_slip:
+            return False
+        values = self.content.values
+        return any(values.get(name, 0.0) != 0.0 for name in USED)
 
     def coefficients(self) -> Coefficients:
         """Return the file's coefficients with the changes of this tyre."""
@@ -161,6 +197,7 @@ class FileTyre(Tyre):
         try:
             placed = self.placed(folder)
             placed.steady_forces(placed.coefficients(), TyreInput(1.0, 0.0, 0.0, 0.0))
+            _ = placed.feels_turn_slip
         except InputError as error:
             lines = str(error).splitlines()
             return lines[:-1] if len(lines) > 1 else lines

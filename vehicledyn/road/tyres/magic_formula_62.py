@@ -20,6 +20,7 @@ class MagicFormula62(FileTyre):
     the moment of that program.
     """
 
+    knows_turn_slip: ClassVar[bool] = True
     versions: ClassVar[tuple[str, ...]] = ("6.2",)
 
     def steady_forces(self, p: Coefficients, contact: TyreInput) -> TyreForces:

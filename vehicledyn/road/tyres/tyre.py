@@ -99,6 +99,11 @@ class Tyre(ParameterSet):
         force = self.forces(TyreInput(load, slip, 0.0, 0.0, 1.0)).longitudinal_force
         return ops.depends_on(ops.scalar(force), slip)
 
+    @property
+    def feels_turn_slip(self) -> bool:
+        """Whether forces depend on the turn slip of the wheel."""
+        return False
+
     def relaxation_lengths(self, contact: TyreInput) -> RelaxationLengths:
         """Return the relaxation lengths at a load and camber.
 

@@ -45,6 +45,11 @@ class TyreOfFile(FileTyre):
         return self.model_copy(update={"mirror": mirror})
 
     @property
+    def has_turn_slip(self) -> bool:
+        """Whether the law of the file has turn slip and the file coefficients of it."""
+        return self.law.has_turn_slip
+
+    @property
     def law(self) -> FileTyre:
         """The law that the file names, with the settings of this tyre."""
         settings = {name: getattr(self, name) for name in type(self).model_fields}

@@ -27,6 +27,7 @@ from vehicledyn.road.wheel.slip import (
     longitudinal_slip,
     rolling_share,
     slip_angle,
+    turn_slip,
 )
 from vehicledyn.road.wheel.soft_ground import SoilForces, direction_of_travel, soil_forces
 from vehicledyn.symbolic import ops
@@ -176,6 +177,7 @@ class RoadWheel(BasePart):
             ("contact_z", "m", "Contact point, z", z, "world"),
             ("spin_rate", "rad/s", "Spin relative to the carrier", spin_rate, "joint"),
             *_further_moments(forces),
+            *_turn_slip_channel(felt),
             *self._friction_channel(state),
             *self._sinkage_channel(situation),
         )
@@ -216,7 +218,8 @@ class RoadWheel(BasePart):
             slip = longitudinal_slip(motion, self.floors.longitudinal)
             angle = slip_angle(motion, self.floors.lateral)
             camber = camber * rolling_share(ops.absolute(motion.longitudinal))
-        felt = TyreInput(load, slip, angle, camber, motion.longitudinal)
+        curved = turn_slip(motion, self.floors.lateral) if self.tyre.feels_turn_slip else 0.0
+        felt = TyreInput(load, slip, angle, camber, motion.longitudinal, curved)
         friction: Scalar = 1.0
         if self.surface.soil is not None:
             forces = self._of_soil(situation, felt)
@@ -384,3 +387,9 @@ def _further_moments(forces: TyreForces) -> tuple[tuple[str, str, str, Scalar, s
         ("tyre.rolling_resistance", "N*m", "Rolling resistance about the spin axis", drag, "joint"),
     )
     return tuple(item for item in found if not ops.is_structurally_zero(item[3]))
+
+
+def _turn_slip_channel(felt: TyreInput) -> tuple[tuple[str, str, str, Scalar, str], ...]:
+    if ops.is_structurally_zero(felt.turn_slip):
+        return ()
+    return (("tyre.turn_slip", "1/m", "Turn slip, positive to the right", felt.turn_slip, ""),)

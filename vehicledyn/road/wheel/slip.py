@@ -77,6 +77,11 @@ def slip_angle(motion: WheelMotion, floor: Scalar) -> Scalar:
     return ops.atan(motion.lateral / floored(ops.absolute(motion.longitudinal), floor))
 
 
+def turn_slip(motion: WheelMotion, floor: Scalar) -> Scalar:
+    """Return φ_t = -ω_n / max(|v_x|, floor), the curvature of the path to the right [1/m]."""
+    return -motion.turning / floored(ops.absolute(motion.longitudinal), floor)
+
+
 def rolling_share(speed: Scalar) -> Scalar:
     """Return the share of camber thrust that a wheel at |v_x| builds up [1].
 

@@ -44,7 +44,8 @@ class Turn:
 
 
 NO_TURN = Turn()
-_USED = ("PDXP1", "PKYP1", "PDYP1", "PHYP2", "QDTP1", "QCRP1", "QBRP1", "QDRP1")
+USED = ("PDXP1", "PKYP1", "PDYP1", "PHYP2", "QDTP1", "QCRP1", "QBRP1", "QDRP1")
+"""Coefficients of which one at least is not zero where a file has turn slip."""
 
 
 def turn_factors(
@@ -61,7 +62,7 @@ def turn_factors(
     turning = contact.turn_slip
     if isinstance(turning, int | float) and turning == 0.0:
         return NO_TURN
-    if all(getattr(p, name) == 0.0 for name in _USED):
+    if all(getattr(p, name) == 0.0 for name in USED):
         return NO_TURN
     df, radius = s.load_change, p.UNLOADED_RADIUS
     share = p.PECP1 * (1.0 + p.PECP2 * df)
