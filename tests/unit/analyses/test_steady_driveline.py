@@ -43,12 +43,15 @@ def greatest_rate(solver, point):
 
 
 @pytest.mark.parametrize("model", ["all_wheel_drive_sedan", "electric_car"])
-def test_a_driven_car_runs_straight(model):
+def test_a_driven_car_runs_straight_and_turns(model):
     """Every rate vanishes, also that of the accelerator, which the search does not balance."""
     solver = solver_of(model)
     point = solver.straight(SPEED)
-    assert greatest_rate(solver, point) < STEADY
-    assert 0.0 < point.state[solver._pedal] < 1.0
+    turn = solver.find(Turn(SPEED, "lateral_acceleration", 3.0), point)
+    assert turn.state[solver._motion[2]] * SPEED == pytest.approx(3.0, rel=1e-3)
+    for found in (point, turn):
+        assert greatest_rate(solver, found) < STEADY
+        assert 0.0 < found.state[solver._pedal] < 1.0
 
 
 def test_the_gearbox_is_in_the_gear_of_the_speed(automatic):
