@@ -127,5 +127,7 @@ def test_a_sine_with_dwell_waits_at_its_second_peak_and_ends_in_the_middle(tmp_p
         later = np.interp(0.26 + 1.75, time, np.abs(rate)) / np.abs(rate[time >= 0.125]).max()
         found = result.summary["second_yaw_rate_ratio"].value
         assert found == pytest.approx(later, rel=1e-9)
+        ratios = [result.summary[f"{n}_yaw_rate_ratio"].value for n in ("first", "second")]
+        assert result.summary["stable"].value == (ratios[0] <= 0.35 and ratios[1] <= 0.2)
         moved = np.interp(1.07, time, result.channel("chassis.y").values)
         assert result.summary["lateral_displacement"].value == pytest.approx(abs(moved), rel=1e-9)

@@ -30,7 +30,8 @@ class SineWithDwell(RoadManoeuvre):
 
     The summary has the yaw rate 1 s and 1.75 s after the end over its peak after the steering
     has reversed (not above 35 % and 20 %), and the lateral displacement of the chassis's origin
-    1.07 s after the begin (at least 1.83 m for cars up to 3,500 kg), where the run is long enough.
+    1.07 s after the begin (from five times the angle at 0.3 g on at least 1.83 m, of cars above
+    3,500 kg 1.52 m), where the run is long enough; ``stable`` is the verdict on both yaw rates.
 
     References
     ----------
@@ -81,9 +82,10 @@ class SineWithDwell(RoadManoeuvre):
         import numpy as np
 
         from vehicledyn.results.store.layout import SummaryEntry
+        from vehicledyn.road.manoeuvres.sine_dwell_test import MOST_FIRST, MOST_SECOND
 
         time = recording.time
-        entries = []
+        entries: list[SummaryEntry] = []
         peak = self._peak(recording)
         for name, later in _AFTER_STEER.items():
             asked = self.completed_at + later
@@ -91,10 +93,15 @@ class SineWithDwell(RoadManoeuvre):
                 rate = abs(float(np.interp(asked, time, recording.channels[_YAW_RATE][:])))
                 text = f"Yaw rate {later:g} s after the completion of steer over its peak"
                 entries.append(SummaryEntry(f"{name}_yaw_rate_ratio", rate / peak, "1", text))
+        if len(entries) == len(_AFTER_STEER):
+            ratios = [float(entry.value) for entry in entries]
+            falls = ratios[0] <= MOST_FIRST and ratios[1] <= MOST_SECOND
+            text = "Whether the yaw rate falls to 35 % and to 20 % (S5.2.1, S5.2.2)"
+            entries.append(SummaryEntry("stable", falls, "1", text))
         if time[-1] >= self.begin + _DISPLACED:
             y = recording.channels[f"{vehicle.chassis}.y"][:]
             moved = np.interp([self.begin, self.begin + _DISPLACED], time, y)
-            text = f"Lateral displacement {_DISPLACED:g} s after the beginning of steer"
+            text = f"Lateral displacement {_DISPLACED:g} s after the beginning of steer (S5.2.3)"
             entries.append(
                 SummaryEntry("lateral_displacement", float(abs(moved[1] - moved[0])), "m", text)
             )
