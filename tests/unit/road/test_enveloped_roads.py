@@ -14,12 +14,17 @@ from vehicledyn.base.registry import find
 from vehicledyn.road.ground.enveloping import Cam, Tandem
 from vehicledyn.road.surfaces.enveloped import Enveloped
 from vehicledyn.road.surfaces.obstacles import Obstacles
+from vehicledyn.road.tyres.linear import Linear
+from vehicledyn.road.wheel.road_wheel import RoadWheel
 from vehicledyn.symbolic import ops
 
 assert vehicledyn.road
 FOLDER = Path(__file__).parent
 REFERENCE = FOLDER.parents[3] / "shared/reference/road/contact/obstacle_enveloping.csv"
 RADIUS = 0.3943
+LINEAR = dict.fromkeys(
+    ("nominal_load", "longitudinal_stiffness", "cornering_stiffness", "friction"), 1.0
+)
 CAMS = {"cam_length": 0.39, "cam_height": 0.37, "cam_spacing": 0.096}
 
 
@@ -168,3 +173,11 @@ def test_cams_on_cams_and_places_in_the_wrong_order_are_refused():
         Enveloped(road=flat, first=2.0, last=1.0, **CAMS)
     with pytest.raises(ValidationError, match="has cams of its own"):
         Enveloped(road=Obstacles(crest=0.02, start=1.0, **CAMS), **CAMS)
+
+
+def test_a_disc_on_what_a_whole_patch_feels_is_refused():
+    road = Obstacles(crest=0.02, start=1.0, **CAMS)
+    given = {"body": "wheel", "spin": "spin", "tyre": Linear(**LINEAR), "surface": road}
+    with pytest.raises(InputError, match="choose contact 'tangent_plane' or 'vertical'"):
+        RoadWheel("wheel", radius=0.3, stiffness=2e5, **given)
+    assert RoadWheel("wheel", radius=0.3, stiffness=2e5, contact="vertical", **given)

@@ -25,5 +25,6 @@ def steep_roads(loaded: LoadedScenario) -> list[str]:
     return [
         f"warning: the road rises or falls by {place.slope:.3g} m a metre at x = "
         f"{shown(place.x, 'm')}: a wheel that touches the ground in one point does not feel such "
-        "an edge as a tyre does; take 'road: {kind: obstacles, ...}', whose tyre envelops edges"
+        "an edge as a tyre does; take 'road: {kind: obstacles, ...}', whose tyre envelops edges, "
+        "or let it envelop this road by 'road: {kind: enveloped, road: ...}'"
     ]

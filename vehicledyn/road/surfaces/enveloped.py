@@ -40,6 +40,7 @@ class Enveloped(RoadSurface):
     """
 
     in_equations: ClassVar[bool] = True
+    felt_by_patch: ClassVar[bool] = True
     has_end: ClassVar[bool] = True
 
     road: RoadSurface = part("road", "The road under the cams")

@@ -25,6 +25,7 @@ class Obstacles(RoadSurface):
     """
 
     in_equations: ClassVar[bool] = True
+    felt_by_patch: ClassVar[bool] = True
 
     crest: float = quantity("m", "Height of an obstacle; negative for a pothole")
     start: float = quantity("m", "World x where the first obstacle begins")

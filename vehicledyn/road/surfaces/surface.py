@@ -48,11 +48,13 @@ class RoadSurface(ParameterSet):
 
     ``is_flat`` says that the ground is one plane, so that the contact point of a wheel has
     a closed form; otherwise it is found by Newton's method together with the loops. ``has_end``
-    says that it comes from data of a part of the ground, see :meth:`covers`.
+    says that it comes from data of a part of the ground, see :meth:`covers`. ``felt_by_patch`` says
+    that height and slope are those that a whole contact patch feels, not those of the ground.
     """
 
     is_flat: ClassVar[bool] = False
     has_end: ClassVar[bool] = False
+    felt_by_patch: ClassVar[bool] = False
 
     patches: list[FrictionPatch] = part(
         "patch", "Patches of other friction; where they overlap the last one counts", default=[]

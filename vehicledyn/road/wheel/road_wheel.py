@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from vehicledyn.base.errors import InputError
 from vehicledyn.base.shapes import Anchor, Force, Plane, Shape, Wheel
 from vehicledyn.multibody.model.parts import BasePart, Loads, Output, Situation, Wrench
 from vehicledyn.road.surfaces.surface import RoadSurface, ground_normal
@@ -122,6 +123,14 @@ class RoadWheel(BasePart):
     crown: Scalar | None = None
     tread: Tread | None = None
 
+    def __post_init__(self) -> None:
+        """Refuse a disc on ground that a whole contact patch feels."""
+        if self._is_implicit and self.surface.felt_by_patch:
+            raise InputError(
+                f"{self.name}: the road '{self.surface.kind}' is what a whole contact patch feels, "
+                "not ground that a disc touches; choose contact 'tangent_plane' or 'vertical'"
+            )
+
     def states(self) -> tuple[Variable, ...]:
         """Return the deflections of the contact patch, if slip is transient."""
         return () if self.relaxation is None else self.relaxation.states()
@@ -176,8 +185,7 @@ class RoadWheel(BasePart):
             ("contact_y", "m", "Contact point, y", y, "world"),
             ("contact_z", "m", "Contact point, z", z, "world"),
             ("spin_rate", "rad/s", "Spin relative to the carrier", spin_rate, "joint"),
-            *_further_moments(forces),
-            *_turn_slip_channel(felt),
+            *_further_channels(forces, felt),
             *self._friction_channel(state),
             *self._sinkage_channel(situation),
         )
@@ -373,8 +381,10 @@ class RoadWheel(BasePart):
         return Wrench(self.body, to_body @ force, to_body @ torque)
 
 
-def _further_moments(forces: TyreForces) -> tuple[tuple[str, str, str, Scalar, str], ...]:
-    """Return the channels of the moments that only some tyre laws have."""
+def _further_channels(
+    forces: TyreForces, felt: TyreInput
+) -> tuple[tuple[str, str, str, Scalar, str], ...]:
+    """Return the channels that only some tyre laws have."""
     tilt, drag = forces.overturning_moment, forces.rolling_resistance
     found = (
         (
@@ -385,11 +395,6 @@ def _further_moments(forces: TyreForces) -> tuple[tuple[str, str, str, Scalar, s
             "contact",
         ),
         ("tyre.rolling_resistance", "N*m", "Rolling resistance about the spin axis", drag, "joint"),
+        ("tyre.turn_slip", "1/m", "Turn slip, positive to the right", felt.turn_slip, ""),
     )
     return tuple(item for item in found if not ops.is_structurally_zero(item[3]))
-
-
-def _turn_slip_channel(felt: TyreInput) -> tuple[tuple[str, str, str, Scalar, str], ...]:
-    if ops.is_structurally_zero(felt.turn_slip):
-        return ()
-    return (("tyre.turn_slip", "1/m", "Turn slip, positive to the right", felt.turn_slip, ""),)
