@@ -1,6 +1,7 @@
 """Quantities of the standards against signals of which they are known in closed form."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -95,6 +96,17 @@ def test_the_speed_is_judged_only_where_the_test_holds_it():
     ):
         assert find("manoeuvre", kind)(speed_control=control, **given).holds_speed() == holds
         assert not find("manoeuvre", kind)(**given).holds_speed()
+
+
+def test_the_path_of_the_obstacle_avoidance_cuts_corners_on_the_inside_of_the_third_lane():
+    car = SimpleNamespace(outline=((1.8, 0.8), (-2.0, 0.8), (-2.0, -0.8), (1.8, -0.8)))
+    driver = {"kind": "stanley", "gain": "3 Hz", "lag_frequency": "20 rad/s", "lag_damping": 0.8,
+              "rack_stop": "60 mm"}  # fmt: skip
+    test = find("manoeuvre", "obstacle_avoidance")(driver=driver, release_at=0.0, begin=0.0)
+    path, third = test.path(car), test.lanes(car)[1]
+    assert path.places == pytest.approx((9.0, 28.5, 33.5, 52.0))
+    assert path.offsets[1] - 0.8 - third.right == pytest.approx(0.3 * 1.0)
+    assert path.offsets[1] == path.offsets[2] < third.middle
 
 
 def test_a_sine_with_dwell_coasts_and_asks_less_of_a_heavy_car():

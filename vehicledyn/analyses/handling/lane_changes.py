@@ -26,8 +26,10 @@ SPEEDS = {
 
 _LARGEST_WHEEL_ANGLE = 0.6
 _BEGIN = 20.0
-_PREVIEW_TIME, _GENTLE = 0.8, 0.5
-"""Preview time [s], and lateral acceleration of the turn that shows the stiffness [m/s²]."""
+_PREVIEW_TIME, _SHORT_PREVIEW = 0.8, 0.5
+"""Preview times, the shorter one where lanes follow each other quickly [s]."""
+_GENTLE = 0.5
+"""Lateral acceleration of the turn that shows the stiffness [m/s²]."""
 
 
 def run_lane_changes(tests: StandardTests, *, backend: Backend) -> None:
@@ -48,7 +50,7 @@ def run_lane_changes(tests: StandardTests, *, backend: Backend) -> None:
         return DoubleLaneChange(speed_control=car.control, driver=driver, begin=_BEGIN)
 
     def avoidance(speed: float) -> LaneChangeTest:
-        driver, release = driver_of(tests, speed), (_BEGIN + 2.0 - front) / speed
+        driver, release = driver_of(tests, speed, _SHORT_PREVIEW), (_BEGIN + 2.0 - front) / speed
         return ObstacleAvoidance(
             speed_control=car.control, driver=driver, begin=_BEGIN, release_at=release
         )
@@ -97,7 +99,7 @@ def _until_left(
         tests.figures.append(KeyFigure(name, "largest_speed", passed, "m/s", words))
 
 
-def driver_of(tests: StandardTests, speed: float) -> MacAdam:
+def driver_of(tests: StandardTests, speed: float, preview: float = _PREVIEW_TIME) -> MacAdam:
     """Return a driver who knows the car's axle loads and cornering stiffness.
 
     The stiffness is that of a gentle turn; the yaw inertia is taken as the mass times both axle
@@ -121,7 +123,7 @@ def driver_of(tests: StandardTests, speed: float) -> MacAdam:
     front, rear = (wheelbase * loads[not is_front] / whole for is_front in (True, False))
     mass = whole / STANDARD_GRAVITY
     return MacAdam(
-        preview_time=_PREVIEW_TIME, points=10, speed=speed, mass=mass,
+        preview_time=preview, points=10, speed=speed, mass=mass,
         yaw_inertia=mass * front * rear, front_distance=front, rear_distance=rear,
         front_stiffness=stiffness[True], rear_stiffness=stiffness[False], lag_frequency=30.0,
         lag_damping=0.8,

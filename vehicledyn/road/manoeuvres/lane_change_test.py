@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from abc import abstractmethod
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.parameters import part, quantity
@@ -32,8 +32,14 @@ LOST = 5.0
 class LaneChangeTest(DrivingTest):
     """Base: the lanes follow from the vehicle's width, the corners of its outline must keep them.
 
-    The path joins the middles of the lanes by steps of continuous curvature.
+    The path joins the lanes by steps of continuous curvature: their middles, or with cut corners.
     """
+
+    corner: ClassVar[float] = 0.0
+    """How far a step begins before the end of a lane, and ends behind the begin of the next [m]."""
+
+    inner: ClassVar[float] = 0.5
+    """Place of the path in the room that the third lane leaves beside the car, from the inside."""
 
     driver: Driver = part("driver", "Who steers")
     begin: float = quantity("m", "Position x where the first lane begins", default=20.0)
@@ -45,9 +51,12 @@ class LaneChangeTest(DrivingTest):
     def path(self, vehicle: RoadVehicle) -> StepPath:
         """Return the path through the lanes."""
         first, third, fifth = self.lanes(vehicle)
+        sides = [corner[1] for corner in vehicle.outline]
+        room = third.width - (max(sides) - min(sides))
+        aside, cut = third.middle + (self.inner - 0.5) * room, self.corner
         return StepPath(
-            (first.end, third.begin, third.end, fifth.begin),
-            (first.middle, third.middle, third.middle, fifth.middle),
+            (first.end - cut, third.begin + cut, third.end - cut, fifth.begin + cut),
+            (first.middle, aside, aside, fifth.middle),
         )
 
     def fit(self, vehicle: RoadVehicle) -> RoadVehicle:
