@@ -44,21 +44,35 @@ def _turned(name: str, of_number: Callable[[float], float], x: Scalar) -> Scalar
         return of_number(float(x))
     if type(x) is casadi.SX and x.is_scalar() and x.is_constant():
         return casadi.SX(of_number(float(x)))
+    return _unary(name, x)
+
+
+def _unary(name: str, x: Scalar) -> Scalar:
+    """Return an operation of CasADi; of expressions without its search for a fitting overload."""
+    import casadi
+
+    if type(x) is casadi.SX:
+        return casadi.SX.unary(getattr(casadi, f"OP_{name.upper()}"), x)
     return getattr(casadi, name)(x)
+
+
+def _binary(name: str, x: Scalar, y: Scalar) -> Scalar:
+    """Return an operation of CasADi on two operands, as :func:`_unary` does on one."""
+    import casadi
+
+    if casadi.SX in (type(x), type(y)) and {type(x), type(y)} <= {casadi.SX, float, int}:
+        return casadi.SX.binary(getattr(casadi, f"OP_{name.upper()}"), x, y)
+    return getattr(casadi, name)(x, y)
 
 
 def tan(x: Scalar) -> Scalar:
     """Return the tangent of an angle [rad]."""
-    import casadi
-
-    return casadi.tan(x)
+    return _unary("tan", x)
 
 
 def atan(x: Scalar) -> Scalar:
     """Return the inverse tangent [rad]."""
-    import casadi
-
-    return casadi.atan(x)
+    return _unary("atan", x)
 
 
 def atan2(y: Scalar, x: Scalar) -> Scalar:
@@ -70,78 +84,66 @@ def atan2(y: Scalar, x: Scalar) -> Scalar:
 
 def asin(x: Scalar) -> Scalar:
     """Return the inverse sine [rad]."""
-    import casadi
-
-    return casadi.asin(x)
+    return _unary("asin", x)
 
 
 def exp(x: Scalar) -> Scalar:
     """Return e to the power of x."""
-    import casadi
-
-    return casadi.exp(x)
+    return _unary("exp", x)
 
 
 def log(x: Scalar) -> Scalar:
     """Return the natural logarithm; x must be positive."""
-    import casadi
-
-    return casadi.log(x)
+    return _unary("log", x)
 
 
 def tanh(x: Scalar) -> Scalar:
     """Return the hyperbolic tangent."""
-    import casadi
-
-    return casadi.tanh(x)
+    return _unary("tanh", x)
 
 
 def sqrt(x: Scalar) -> Scalar:
     """Return the square root; keep x away from zero where it is differentiated."""
-    import casadi
-
-    return casadi.sqrt(x)
+    return _unary("sqrt", x)
 
 
 def absolute(x: Scalar) -> Scalar:
     """Return the magnitude of x."""
-    import casadi
-
-    return casadi.fabs(x)
+    return _unary("fabs", x)
 
 
 def floor(x: Scalar) -> Scalar:
     """Return the greatest whole number not above x; its derivative is zero."""
-    import casadi
-
-    return casadi.floor(x)
+    return _unary("floor", x)
 
 
 def sign(x: Scalar) -> Scalar:
     """Return -1, 0 or 1."""
-    import casadi
-
-    return casadi.sign(x)
+    return _unary("sign", x)
 
 
 def minimum(x: Scalar, y: Scalar) -> Scalar:
     """Return the smaller of two scalars."""
-    import casadi
-
-    return casadi.fmin(x, y)
+    return _binary("fmin", x, y)
 
 
 def maximum(x: Scalar, y: Scalar) -> Scalar:
     """Return the larger of two scalars."""
-    import casadi
-
-    return casadi.fmax(x, y)
+    return _binary("fmax", x, y)
 
 
 def where(condition: Scalar, yes: Scalar, no: Scalar) -> Scalar:
     """Return ``yes`` where the condition holds, else ``no``; both sides are evaluated."""
     import casadi
 
+    if (
+        type(condition) is casadi.SX
+        and {type(yes), type(no)} <= {casadi.SX, float, int}
+        and condition.is_scalar()
+    ):
+        first = _binary("if_else_zero", condition, yes)
+        other = _binary("if_else_zero", _unary("not", condition), no)
+        return _binary("add", first, other)
     chosen = casadi.if_else(condition, yes, no)
     return float(chosen) if isinstance(chosen, casadi.DM) else chosen
 
@@ -209,7 +211,11 @@ def filled(rows: int, columns: int, entries: Sequence[Scalar]) -> Any:
         return casadi.reshape(column, rows, columns)
     found = casadi.SX.zeros(rows, columns)
     for place, item in enumerate(entries):
-        found.set_nz(item, False, place)
+        if type(item) is float or type(item) is int:
+            if item != 0 or str(item) == "-0.0":
+                found.set_nz(casadi.SX(item), False, place)
+        else:
+            found.set_nz(item, False, place)
     return found
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vehicledyn.multibody.model.parts import Part
-from vehicledyn.rail.contact.wheel_grid import wheel_grid
+from vehicledyn.rail.contact.wheel_grid import count_windows
 from vehicledyn.rail.contact.wheel_on_rail import ElasticWheels
 
 _STEP = 1e-3
@@ -38,8 +38,10 @@ def attack_remarks(parts: Iterable[Part], channels: Mapping[str, ArrayLike]) -> 
         if not math.isfinite(attack):
             continue
         asked = _STEP * math.ceil(attack / _STEP)
-        wanted = len(wheel_grid(*part.wheels.geometry(), asked).middles)
-        if wanted > len(part.contact.grid.middles):
+        if asked <= part.contact.grid.attack:
+            continue
+        wanted = count_windows(*part.wheels.geometry(), asked)
+        if wanted > len(part.contact.grid.shares):
             yield (
                 f"'{part.name}' ran at angles of attack up to {1e3 * attack:.3g} mrad, at which "
                 f"its contacts jump elsewhere: give rail_contact.angle_of_attack: "

@@ -21,7 +21,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.base.bounded_cache import BoundedCache
 from vehicledyn.base.errors import InputError
+from vehicledyn.rail.contact.contact_identity import identity_of
 from vehicledyn.rail.geometry.contact_geometry import Pose, Rail, Wheel, silhouette, wheel_above
 from vehicledyn.rail.profiles.profile_pieces import Floats
 
@@ -66,6 +68,8 @@ class WheelGrid:
     shares
         Part of each of these that belongs to each window, from the flange to the field side,
         shape (n_windows, 2 n - 1); the sum over the windows is 1.
+    attack
+        Largest angle of attack that the windows count with [rad].
     """
 
     place: Floats
@@ -74,6 +78,7 @@ class WheelGrid:
     along: Floats
     width: Floats
     shares: Floats
+    attack: float = 0.0
 
     @property
     def middles(self) -> Floats:
@@ -86,13 +91,18 @@ class _Rolled(NamedTuple):
     """What a wheel without yaw and roll does on its rail: where it can be, and how closely.
 
     ``place`` holds where profiles come near to each other at some shift, ``bend`` the largest half
-    sum of curvatures there, ``contacts`` the rigid contacts at rising shifts.
+    sum of curvatures there, ``contacts`` the rigid contacts at rising shifts, ``barriers`` the
+    places between contacts that jump.
     """
 
     place: Floats
     bend: Floats
     contacts: Floats
     barriers: tuple[float, ...]
+
+
+_ROLLED: BoundedCache[str, _Rolled] = BoundedCache(32)
+_YAWED: BoundedCache[tuple[str, float], list[float]] = BoundedCache(256)
 
 
 def largest_attack(curvature: float, nearest: float = 0.0) -> float:
@@ -127,7 +137,8 @@ def wheel_grid(wheel: Wheel, rail: Rail, attack: float = 0.0) -> WheelGrid:
     InputError
         If the wheel is above its rail at no lateral shift.
     """
-    rolled = _rolled(wheel, rail, attack)
+    rolled = _rolled(wheel, rail)
+    barriers = _borders(wheel, rail, rolled, attack)
     table = wheel.table
     tip = float(wheel.scan[0][np.argmax(wheel.scan[1])])
     first = max(table.begin, min(float(rolled.contacts.min()) - _MARGIN, tip - _BEYOND_TIP))
@@ -135,18 +146,28 @@ def wheel_grid(wheel: Wheel, rail: Rail, attack: float = 0.0) -> WheelGrid:
     fine = np.linspace(first, last, int(np.ceil((last - first) / (0.1 * _SAMPLE))) + 1)
     height, _, _ = table.values(fine)
     along = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(fine), np.diff(height)))])
-    number = _numbers(along, _distances(wheel, rolled, fine, along))
+    number = _numbers(along, _distances(wheel, rolled, barriers, fine, along))
     count = int(np.ceil(number[-1]))
     number *= count / number[-1]
     place = np.interp(np.arange(count + 1.0), number, fine)
     z, slope, _ = table.values(place)
     lengths = np.interp(0.5 * np.arange(2 * count + 1), number, along)
-    borders = np.interp(rolled.barriers, fine, along)
-    return WheelGrid(place, z, slope, lengths, np.gradient(lengths), _shares(lengths, borders))
+    borders = np.interp(barriers, fine, along)
+    shares = _shares(lengths, borders)
+    return WheelGrid(place, z, slope, lengths, np.gradient(lengths), shares, attack)
 
 
-def _rolled(wheel: Wheel, rail: Rail, attack: float) -> _Rolled:
+def count_windows(wheel: Wheel, rail: Rail, attack: float) -> int:
+    """Return how many windows the grid of a wheel has for an angle of attack [rad]."""
+    return 1 + len(_borders(wheel, rail, _rolled(wheel, rail), attack))
+
+
+def _rolled(wheel: Wheel, rail: Rail) -> _Rolled:
     """Return where a wheel without roll touches its rail, from far in to far out."""
+    return _ROLLED.get(identity_of(wheel, rail), lambda: _roll(wheel, rail))
+
+
+def _roll(wheel: Wheel, rail: Rail) -> _Rolled:
     y, z, slope = wheel.scan
     stretch = np.hypot(1.0, slope)
     contacts: list[int] = []
@@ -165,11 +186,18 @@ def _rolled(wheel: Wheel, rail: Rail, attack: float) -> _Rolled:
     if not contacts:
         raise InputError("the wheel is not above its rail at any lateral shift")
     met = np.flatnonzero(bends)
+    return _Rolled(y[met], bends[met], y[contacts], tuple(barriers))
+
+
+def _borders(wheel: Wheel, rail: Rail, rolled: _Rolled, attack: float) -> tuple[float, ...]:
+    """Return where windows end, for all angles of attack up to one."""
+    barriers = list(rolled.barriers)
     largest = min(attack, _LARGEST_YAW)
     steps = np.arange(_YAW_STEP, largest + 1e-9, _YAW_STEP)
-    for yaw in np.union1d(steps, [largest] if largest > 0.0 else []):
-        barriers += _barriers_at(wheel, rail, float(yaw))
-    return _Rolled(y[met], bends[met], y[contacts], _gathered(barriers))
+    own = identity_of(wheel, rail)
+    for yaw in np.union1d(steps, [largest] if largest > 0.0 else []).tolist():
+        barriers += _YAWED.get((own, yaw), lambda yaw=yaw: _barriers_at(wheel, rail, yaw))
+    return _gathered(barriers)
 
 
 def _barriers_at(wheel: Wheel, rail: Rail, yaw: float) -> list[float]:
@@ -221,7 +249,9 @@ def _bends(y: Floats, normal: Floats, stretch: Floats, places: NDArray[np.intp])
     return np.where(inner, np.maximum(np.abs(bend), _LEAST_BEND), _LEAST_BEND)
 
 
-def _distances(wheel: Wheel, rolled: _Rolled, fine: Floats, along: Floats) -> Floats:
+def _distances(
+    wheel: Wheel, rolled: _Rolled, barriers: tuple[float, ...], fine: Floats, along: Floats
+) -> Floats:
     """Return the distance that places may have [m].
 
     It is a part of the width of contacts there, and of the radius of the wheel's profile: beside a
@@ -231,7 +261,7 @@ def _distances(wheel: Wheel, rolled: _Rolled, fine: Floats, along: Floats) -> Fl
     _, slope, bend = wheel.table.values(fine)
     radius = (1.0 + slope**2) ** 1.5 / np.maximum(np.abs(bend), _LEAST_BEND)
     narrow = np.minimum(np.interp(fine, rolled.place, wanted), _OF_RADIUS * radius)
-    for border in np.interp(rolled.barriers, fine, along):
+    for border in np.interp(barriers, fine, along):
         beyond = np.maximum(np.abs(along - border) - _BESIDE_BORDER, 0.0)
         narrow = np.minimum(narrow, _AT_BORDER + _GROWTH * beyond)
     coarse = np.log(np.clip(narrow, FINEST, COARSEST))
