@@ -16,6 +16,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.rail.profiles.fitted_cubics import fit_cubics, powers
 from vehicledyn.rail.profiles.profile import STEEPEST
 from vehicledyn.rail.profiles.profile_pieces import Floats
 from vehicledyn.rail.profiles.profile_steps import Step, find_patches, find_steps
@@ -251,9 +252,7 @@ def _missed(points: Floats, length: int) -> tuple[Floats, Floats]:
         axis=1,
     )
     scale = np.maximum(along[:, -1:], _TINY)
-    powers = (along / scale)[:, :, None] ** np.arange(4)
-    weights = np.linalg.pinv(powers) @ near
-    rest = near - powers @ weights
+    weights, rest = fit_cubics(along / scale, near)
     fit = np.sqrt((rest**2).sum(axis=(1, 2)) / (2 * (_BESIDE - 4)))
     begin = np.take_along_axis(along, on_left[:, None] - 1, axis=1) / scale
     end = np.take_along_axis(along, on_left[:, None], axis=1) / scale
@@ -264,8 +263,9 @@ def _missed(points: Floats, length: int) -> tuple[Floats, Floats]:
     squared = np.maximum((chord**2).sum(axis=1), _TINY)
     share = (to_run * chord[:, None, :]).sum(axis=2) / squared[:, None]
     at = begin + np.clip(share, 0.0, 1.0) * (end - begin)
-    reached = (at[:, :, None] ** np.arange(4)) @ weights
-    rate = (np.arange(1, 4) * at[:, :, None] ** np.arange(3)) @ weights[:, 1:]
+    terms = powers(at)
+    reached = terms @ weights
+    rate = (np.arange(1, 4) * terms[:, :, :3]) @ weights[:, 1:]
     apart = run - reached
     across = rate[..., 0] * apart[..., 1] - rate[..., 1] * apart[..., 0]
     return np.abs(across) / np.maximum(np.hypot(rate[..., 0], rate[..., 1]), 1e-12), fit

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vehicledyn.rail.profiles.fitted_cubics import fit_cubics
 from vehicledyn.rail.profiles.profile_pieces import Floats
 
 _REACH, _FEWEST, _MOST = 2.5e-3, 5, 16
@@ -103,9 +104,9 @@ def _jumps(points: Floats, side: int, skipped: int) -> tuple[Floats, Floats]:
     apart = near - near[:, :1]
     x = (apart @ forward[:, :, None])[..., 0] / length[:, None]
     z = apart[..., 1] * forward[:, None, 0] - apart[..., 0] * forward[:, None, 1]
-    jump = np.broadcast_to(np.where(np.arange(2 * side) < side, 0.0, 1.0), x.shape)[..., None]
-    cubic = np.linalg.qr((2.0 * x - 1.0)[..., None] ** np.arange(4))[0]
-    rest, across = (values - cubic @ (cubic.mT @ values) for values in (z[..., None], jump))
+    jump = np.broadcast_to(np.where(np.arange(2 * side) < side, 0.0, 1.0), x.shape)
+    left = fit_cubics(2.0 * x - 1.0, np.stack([z, jump], axis=-1))[1]
+    rest, across = left[..., :1], left[..., 1:]
     height = (across * rest).sum(axis=1) / np.maximum((across**2).sum(axis=1), _TINY)
     without = np.sqrt((rest[..., 0] ** 2).mean(axis=1))
     with_jump = np.sqrt(((rest - height[:, None] * across)[..., 0] ** 2).mean(axis=1))
