@@ -77,13 +77,18 @@ def pytest_collection_finish():
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config, log):
-    """Run in one process what shares something that takes long to make."""
+    """Run in one process what shares something that takes long to make.
+
+    Most modules of brief tests derive some systems for all of theirs; long tests go one by one.
+    """
     from xdist.scheduler import LoadScopeScheduling
+
+    brief = config.option.markexpr == "not long"
 
     class Scheduling(LoadScopeScheduling):
         def _split_scope(self, nodeid):
             path = nodeid.partition("::")[0]
-            return shared_in(config.rootpath / path) or nodeid
+            return shared_in(config.rootpath / path) or (path if brief else nodeid)
 
     return Scheduling(config, log)
 

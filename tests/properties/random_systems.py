@@ -303,3 +303,9 @@ def planar_loop(seed):
 
 
 CLOSED = [spatial_loop, body_loop, rod_loops, planar_loop]
+
+
+def each_with_seeds(systems):
+    """Return pairs of a system and a seed: a tree with every kind of joint, others three times."""
+    seeds = {tree: range(len(JOINT_KINDS))}
+    return [(make, seed) for make in systems for seed in seeds.get(make, (0, 3, 5))]

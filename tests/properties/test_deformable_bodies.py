@@ -31,6 +31,7 @@ SETTINGS = {
     "exact": {"model": "exact", **ALL},
     "curved": {"model": "exact", "curvature": (0.3, -0.4, 0.8), **ALL},
 }  # fmt: skip
+BRIEF = ["modes", "exact", pytest.param("curved", marks=pytest.mark.long)]
 SIZE = {"modes": 0.05, "exact": 0.3, "curved": 0.3}
 """Amplitudes to look at: of small deflections, of large ones."""
 
@@ -73,7 +74,7 @@ def at_random(equations, seed, model):
     return place, rng.normal(size=count)
 
 
-@pytest.mark.parametrize("model", SETTINGS)
+@pytest.mark.parametrize("model", BRIEF)
 def test_lagrange(model):
     """d/dt ∂T/∂q̇ - ∂T/∂q + ∂V/∂q is the elastic force on deformations and zero on joints."""
     e = derive(branched(model=model))
@@ -126,7 +127,7 @@ def test_operations_grow_with_the_square_of_the_modes():
     assert np.log2(counts[1] / counts[0]) < 2.0
 
 
-@pytest.mark.parametrize("model", SETTINGS)
+@pytest.mark.parametrize("model", BRIEF)
 def test_a_frame_moves_as_its_velocity_says(model):
     """Positions and rotations of frames differentiated are their velocities and accelerations."""
     from vehicledyn.multibody.elements.motion_sensors import SequenceSensor
@@ -162,7 +163,7 @@ def test_a_frame_moves_as_its_velocity_says(model):
         assert value[channel[f"rate.angular_velocity_{axis}"]] == pytest.approx(rate, abs=1e-11)
 
 
-@pytest.mark.parametrize("model", SETTINGS)
+@pytest.mark.parametrize("model", BRIEF)
 def test_pictures_show_points_where_they_are(model):
     """The numeric poses of an animation are those of the symbolic kinematics."""
     from vehicledyn.multibody.elements.point_sensors import PointSensor

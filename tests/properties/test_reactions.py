@@ -6,7 +6,7 @@ from functools import lru_cache
 import numpy as np
 import pytest
 from evaluation import Derived
-from random_systems import CLOSED, Motor, tree
+from random_systems import CLOSED, Motor, each_with_seeds, tree
 
 from vehicledyn.codegen.passes.kernel_functions import count_operations
 from vehicledyn.codegen.toolchain.compiler import CompilationError, find_compiler
@@ -24,7 +24,6 @@ from vehicledyn.multibody.recursion import inertia
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Channel
 
-SEEDS = range(6)
 IDENTITY = 1e-10
 AXES = "xyz"
 
@@ -117,7 +116,7 @@ def derived(make, seed):
 
 
 def all_systems(test):
-    return pytest.mark.parametrize("seed", SEEDS)(pytest.mark.parametrize("make", SYSTEMS)(test))
+    return pytest.mark.parametrize(("make", "seed"), each_with_seeds(SYSTEMS))(test)
 
 
 def triple(d, name):
@@ -308,6 +307,7 @@ def test_reactions_cost_nothing_in_the_right_hand_side():
 
 
 @pytest.mark.parametrize("make", [CLOSED[0], CLOSED[3]])
+@pytest.mark.long
 def test_compiled_and_interpreted_reactions_agree(make):
     d = derived(make, 0)
     kernel = compile_kernel(d.equations, backend="interpreted")

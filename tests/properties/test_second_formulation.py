@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from absolute_coordinates import Absolute, rotation
 from evaluation import Derived
-from random_systems import CLOSED, Builder, planar_loop, tree
+from random_systems import CLOSED, Builder, each_with_seeds, planar_loop, tree
 
 from vehicledyn.multibody.model.kinematics import Kinematics
 from vehicledyn.multibody.model.parts import Situation, Wrench
@@ -69,8 +69,7 @@ def close(actual, expected, scale):
     return np.abs(np.asarray(actual) - np.asarray(expected)).max() <= AGREE * scale
 
 
-@pytest.mark.parametrize("seed", SEEDS)
-@pytest.mark.parametrize("system", [tree, *CLOSED])
+@pytest.mark.parametrize(("system", "seed"), each_with_seeds([tree, *CLOSED]))
 def test_accelerations(system, seed):
     d, absolute = both(system, seed)
     _, _, qdd = d.coordinates
@@ -79,16 +78,14 @@ def test_accelerations(system, seed):
         assert close(acceleration, absolute.acceleration_of(name), scale), name
 
 
-@pytest.mark.parametrize("seed", SEEDS)
-@pytest.mark.parametrize("system", CLOSED)
+@pytest.mark.parametrize(("system", "seed"), each_with_seeds(CLOSED))
 def test_velocities_fulfil_the_absolute_constraints_of_the_cuts(system, seed):
     _, absolute = both(system, seed)
     opening = absolute.jacobian[absolute.cut_rows :] @ absolute.velocities
     assert np.abs(opening).max() < 1e-12
 
 
-@pytest.mark.parametrize("seed", SEEDS)
-@pytest.mark.parametrize("system", CLOSED)
+@pytest.mark.parametrize(("system", "seed"), each_with_seeds(CLOSED))
 def test_multipliers_are_the_forces_in_the_cuts(system, seed):
     d, absolute = both(system, seed)
     scale = max(1.0, np.abs(absolute.multipliers).max())
@@ -112,8 +109,7 @@ def test_multipliers_are_the_forces_in_the_cuts(system, seed):
     assert redundant == (1 if system is planar_loop else 0)
 
 
-@pytest.mark.parametrize("seed", SEEDS)
-@pytest.mark.parametrize("system", [tree, CLOSED[0]])
+@pytest.mark.parametrize(("system", "seed"), each_with_seeds([tree, CLOSED[0]]))
 def test_drive_forces(system, seed):
     d, absolute = both(system, seed)
     driven = [j.name for j in d.system.joints() if j.role == "driven"]

@@ -70,6 +70,7 @@ def test_the_mirror_is_kept_where_cycles_that_break_it_branch_off(compiled):
         assert point.multipliers.trivial == pytest.approx(1.0, abs=5e-4)
 
 
+@pytest.mark.long
 def test_cycles_of_one_side_are_followed_as_a_whole(compiled):
     """The stop on one side is touched far from where the cycles begin, as their own image."""
     model = field(grazing_oscillator(), "mu")

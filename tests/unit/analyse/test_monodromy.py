@@ -33,6 +33,7 @@ def touching():
     return model, orbit, rates
 
 
+@pytest.mark.long
 def test_monodromy_as_by_differences_of_simulations(touching):
     """Both columns of the tangent after a turn with four kinks, by central differences."""
     model, orbit, rates = touching

@@ -121,6 +121,7 @@ def test_dependent_coordinates_and_forces_move_along(system):
     assert "crank.angle 1" in line and "slider.x 0.1" in line
 
 
+@pytest.mark.long
 def test_several_variants_are_cases(system, tmp_path):
     text = CHAIN.replace("FIRST", "1").replace("LAST", "5") + WALLS
     variants = [(f"mass={m} kg", system(text, f"mass={m} kg")) for m in (2, 8)]

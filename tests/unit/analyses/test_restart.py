@@ -159,8 +159,14 @@ run_scenario(loaded, output=folder / "killed.h5", backend="auto",
 """
 
 
-@pytest.mark.parametrize("text", [PLAIN, LOOPED])
-@pytest.mark.parametrize("most", [3, 6])
+@pytest.mark.parametrize(
+    ("text", "most"),
+    [
+        (PLAIN, 3),
+        *(pytest.param(*more, marks=pytest.mark.long) for more in ((LOOPED, 3), (PLAIN, 6))),
+        pytest.param(LOOPED, 6, marks=pytest.mark.long),
+    ],
+)
 def test_a_killed_run_goes_on_into_its_own_file(tmp_path, text, most):
     run(tmp_path, text, "short.h5", "duration=0.1 s")  # compiled once
     done = subprocess.run(

@@ -1,12 +1,11 @@
 """Stability of equilibria, modes about any start, and what ``models show`` prints."""
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from programs import call
 
 import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.analyses import describe_model, find_equilibrium, find_modes
@@ -80,6 +79,7 @@ def test_modes_about_a_start_that_is_asked_for():
         find_modes(target, speeds=[], start="steady", backend="interpreted", progress=quiet)
 
 
+@pytest.mark.long
 def test_modes_of_a_vehicle_about_its_static_point():
     """It is balanced at rest and then moves: at speed that point is not quite steady."""
     target = load_model("iltis", ())
@@ -108,11 +108,9 @@ def test_a_model_shows_parameters_with_values_and_channels():
 
 
 def test_changes_of_all_cases_are_checked_at_once(tmp_path):
-    done = subprocess.run(
-        [sys.executable, "-m", "vehicledyn", "eig", str(SYSTEMS / "bicycle.yaml"),
-         "--set", "trail=1 kg", "--set", "trail=2 s", "--set", "foo=1", "--set", "foo=2"],
-        cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False,
-    )  # fmt: skip
+    changes = [word for text in ("trail=1 kg", "trail=2 s", "foo=1", "foo=2")
+               for word in ("--set", text)]  # fmt: skip
+    done = call(["vehicledyn", "eig", SYSTEMS / "bicycle.yaml", *changes], tmp_path)
     assert done.returncode == 2
     assert "this is in kg" in done.stderr
     assert "this is in s" in done.stderr
@@ -121,10 +119,7 @@ def test_changes_of_all_cases_are_checked_at_once(tmp_path):
 
 
 def test_the_report_of_an_equilibrium_is_json(tmp_path):
-    done = subprocess.run(
-        [sys.executable, "-m", "vehicledyn", "equilibrium", str(SYSTEMS / "quarter_car.yaml"),
-         "--backend", "interpreted", "--json"],
-        cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False,
-    )  # fmt: skip
+    options = ["--backend", "interpreted", "--json"]
+    done = call(["vehicledyn", "equilibrium", SYSTEMS / "quarter_car.yaml", *options], tmp_path)
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout)["stability"]["verdict"] == "stable"

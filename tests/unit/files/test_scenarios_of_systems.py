@@ -1,11 +1,10 @@
 """Scenarios that name a system file: what goes with it, what does not, and how runs start."""
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
+import programs
 import pytest
 
 import vehicledyn.catalogue  # noqa: F401
@@ -202,8 +201,7 @@ def test_verbs_on_a_system_file(write):
     system = write().parent / "sub" / "system.yaml"
 
     def call(*arguments):
-        command = [sys.executable, "-m", "vehicledyn", *arguments]
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        done = programs.call(["vehicledyn", *arguments], system.parent)
         return done.returncode, done.stdout, done.stderr
 
     assert call("validate", str(system))[:2] == (0, f"{system}: ok\n")

@@ -59,6 +59,7 @@ def study(folder, text):
     return path
 
 
+@pytest.mark.long
 def test_the_quickest_way_is_bang_bang(tmp_path):
     """With ±F on a mass the way d takes 2 sqrt(d m / F), half of it braking."""
     found = vd.optimise_manoeuvre(study(tmp_path, PUSH))

@@ -147,7 +147,7 @@ def test_the_functions_of_the_reference_are_exact():
     [
         "iltis_slalom",
         "iltis_bump_in_phase",
-        "wheelset_limit_cycle",
+        pytest.param("wheelset_limit_cycle", marks=pytest.mark.long),
         "systems/five_link_suspension",
         "systems/rolling_disk",
     ],

@@ -83,6 +83,7 @@ def test_a_heavy_arc_with_a_weight_at_its_end(curvature, settings, within):
         assert seen[f"beam.tip_{axis}"] == pytest.approx(moved, rel=within)
 
 
+@pytest.mark.long
 def test_the_textbook_quarter_of_a_ring():
     """Loads at its end along its radius, its tangent and across its plane."""
     bent, twisted = RADIUS**3 / GIVEN.y, RADIUS**3 / GIVEN.twist

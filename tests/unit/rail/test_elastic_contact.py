@@ -191,6 +191,7 @@ def test_finer_tables_and_places_do_not_move_the_result(standard, monkeypatch):
         assert coarse(*at)[:, 0].sum() == pytest.approx(fine(*at)[:, 0].sum(), rel=0.02)
 
 
+@pytest.mark.long
 def test_finer_places_do_not_move_forces_at_the_gauge_corner(monkeypatch):
     """Shift, roll, yaw and depth at random: the force by 5 % at most, 0.8 % in the mean square."""
     wheel, rail, coarse, _ = contact_of("S1002")

@@ -458,6 +458,7 @@ def conicity(wheel, rail="60E1", **reading):
     return find_contact_geometry(wish, progress=lambda *_: None).table
 
 
+@pytest.mark.long
 def test_conicity_recovers_from_noise_outliers_and_gaps(tmp_path):
     """Within 6 % at 3 mm and 4 % at 5 mm: noise of 5 µm alone moves it as far.
 
@@ -477,6 +478,7 @@ def test_conicity_recovers_from_noise_outliers_and_gaps(tmp_path):
     assert abs(kept[0] - truth[0]) > 0.1 * truth[0]
 
 
+@pytest.mark.long
 def test_contact_on_a_bridged_gap_is_reported(tmp_path):
     points = POINTS[2.5e-4]
     points = points[(points[:, 0] < -0.02) | (points[:, 0] > 0.01)]

@@ -359,6 +359,7 @@ def test_still_picture(car, tmp_path, view):
     assert red > 1e-4  # the force
 
 
+@pytest.mark.long
 def test_film(car, tmp_path):
     target = tmp_path / "film.gif"
     told = []

@@ -70,6 +70,7 @@ def test_a_zeroed_heap_of_texts_is_damage_and_no_endless_loop(make_result, seale
         assert kind == "refused" and "is damaged" in message
 
 
+@pytest.mark.long
 def test_every_wrong_byte_of_a_sealed_file_is_found(make_result):
     path = make_result()
     data = path.read_bytes()
