@@ -54,11 +54,15 @@ def refined(solver, parts):
     )
 
 
-def record(path, parts=1, changes=()):
-    """Return the run of a scenario with its step divided by ``parts``."""
+def ready(path, changes=()):
+    """Return a scenario, what it runs and the point it starts from."""
     loaded = load_scenario(path, overrides=list(changes))
-    prepared, start = prepare_run(loaded, backend="auto", progress=quiet)
-    s, e = loaded.scenario, prepared.equations
+    return loaded.scenario, *prepare_run(loaded, backend="auto", progress=quiet)
+
+
+def record(s, prepared, start, parts=1):
+    """Return the run of a scenario that is ready, with its step divided by ``parts``."""
+    e = prepared.equations
     times, values = [], []
 
     def take(t, x, z, y):
@@ -131,7 +135,8 @@ def main():
     kept = {}
     for path in paths(chosen.names):
         try:
-            runs = [record(path, parts, chosen.changes) for parts in (1, 2, chosen.parts)]
+            scenario = ready(path, chosen.changes)
+            runs = [record(*scenario, parts) for parts in (1, 2, chosen.parts)]
         except Exception as error:
             print(f"{path.stem:32} {type(error).__name__}: {error}", flush=True)
             continue

@@ -98,7 +98,12 @@ def shared_in(path):
     """Return a name for what the tests of a module share, empty if that is nothing."""
     source = path.read_text(encoding="utf-8") if path.is_file() else ""
     group = re.search(r'xdist_group\("(\w+)"\)', source)
-    return group[1] if group else str(path) if 'scope="module"' in source else ""
+    if group:
+        return group[1]
+    return str(path) if re.search(_SHARES, source, re.MULTILINE) else ""
+
+
+_SHARES = r'scope="module"|^@(functools\.)?(lru_)?cache\b'
 
 
 def pytest_report_header():

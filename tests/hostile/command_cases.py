@@ -13,8 +13,7 @@ QUARTER = "scenarios/systems/quarter_car.yaml"
 WHEELSET = "systems/simple_wheelset.yaml"
 FOUR_BAR = "systems/four_bar.yaml"
 PROFILES = ["profiles", "S1002", "60E1", "--shift", "0 mm", "--amplitude", "3 mm"]
-HUNT = ["hunt", WHEELSET, "--from", "50 m/s", "--to", "60 m/s", "--points", "6",
-        "--no-simulation", "--no-plots", "-q", "-o", "out.h5"]  # fmt: skip
+HUNT = [*mechanism_cases.HUNT, "-o", "out.h5"]
 DRIVE = ["kinematics", FOUR_BAR, "--drive", "crank.angle=0:40 deg:4", "--no-plots", "-o", "out.h5"]
 SWEPT = ["response", QUARTER, "--input", "road.height", "--output", "body.height"]
 STATE = ["linearise", QUARTER, "--input", "force:body.height", "--output", "body.height", "-o",
@@ -23,8 +22,8 @@ RIG = ["rig", "double_wishbone_suspension", "--no-plots", "-o", "out.h5"]
 VERBS = [
     (["equilibrium", PENDULUM], {"--speed": "3 m/s", "--set": "parameters.length=1 m"}),
     (["eig", WHEELSET], {"--speed": "5 m/s:50 m/s:3", "--start": "static"}),
-    (HUNT, {"--from": "50 m/s", "--to": "60 m/s", "--points": "6",
-            "--channel": "wheelset.lateral", "--amplitude": "1e-4"}),
+    (HUNT, {"--from": "-1 N*s/m", "--to": "2 N*s/m", "--points": "4", "--parameter": "gain",
+            "--channel": "mass.x", "--amplitude": "3e-3"}),
     (SWEPT, {"--input": "road.height", "--output": "body.height", "--from": "0.1 Hz",
              "--to": "30 Hz",
              "--points": "8", "--at": "1 Hz", "--speed": "1 m/s", "--spacing": "log"}),
@@ -75,6 +74,7 @@ def command(rng, name):
     files = yaml_cases.around({
         "track.yaml": table_cases.LAYOUT.encode(),
         "cam.yaml": mechanism_cases.CAM.encode(),
+        "self_excited.yaml": mechanism_cases.SELF_EXCITED.encode(),
         "a.tir": road_file_cases.tyres()[0].encode(),
         "run.h5": result_cases.seeds()["run.h5"],
         "car.h5": result_cases.seeds()["car.h5"],

@@ -1,12 +1,11 @@
 """Damaged copies of result files of every kind, and what the program must make of them."""
 
+import os
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
-from harness import Case
+from harness import Case, start
 
 ROOT = Path(__file__).parents[2]
 SYSTEMS = ROOT / "systems"
@@ -35,7 +34,7 @@ output:
 """
 COMMANDS = {
     "run.h5": ["run", "short.yaml", "--no-plots", "-q", "-o", "run.h5"],
-    "study.h5": ["sweep", "study.yaml", "-q", "-o", "study.h5"],
+    "study.h5": ["sweep", "study.yaml", "--workers", "1", "-q", "-o", "study.h5"],
     "kinematics.h5": [
         "kinematics", str(SYSTEMS / "four_bar.yaml"), "--drive", "crank.angle=-60 deg:300 deg:72",
         "--no-plots", "-o", "kinematics.h5",
@@ -61,9 +60,8 @@ def write_originals(folder):
     (folder / "short.yaml").write_text(SCENARIO, encoding="utf-8")
     (folder / "study.yaml").write_text(STUDY, encoding="utf-8")
     for name, command in COMMANDS.items():
-        program = [sys.executable, "-m", "vehicledyn", *command]
-        done = subprocess.run(program, cwd=folder, capture_output=True, text=True, check=False)
-        assert (folder / name).exists(), done.stderr
+        code = start(folder, command).wait()
+        assert (folder / name).exists(), (command, code)
     for name in ("run", "study"):
         leave_as_killed(folder / f"{name}.h5", folder / f"killed_{name}.h5".replace("_run", ""))
     return [*COMMANDS, "killed.h5", "killed_study.h5"]
@@ -71,19 +69,17 @@ def write_originals(folder):
 
 def leave_as_killed(whole, left):
     """Copy a file as a kill just before its end would have left it: without a seal."""
-    program = (
-        "import sys; from pathlib import Path; from vehicledyn.results.store import writer, "
-        "study_writer\n"
-        "left = sys.argv[1]\n"
-        "def keep(path, change):\n"
-        "    import os, shutil; shutil.copyfile(path, left); os._exit(0)\n"
-        "writer.finish = study_writer.finish = keep\n"
-        "from vehicledyn.cli import main; sys.argv = ['vehicledyn', *sys.argv[2:]]; main()"
-    )
+    from vehicledyn.results.store import study_writer, writer
+
+    def keep(path, change):
+        shutil.copyfile(path, left)
+        os._exit(0)
+
+    def change():
+        writer.finish = study_writer.finish = keep
+
     command = [word.replace(whole.name, "again.h5") for word in COMMANDS[whole.name]]
-    subprocess.run(
-        [sys.executable, "-c", program, str(left), *command], cwd=whole.parent, check=True
-    )
+    assert start(whole.parent, command, change).wait() == 0
     for file in whole.parent.glob("*again.h5*"):
         file.unlink()
 

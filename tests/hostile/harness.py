@@ -282,6 +282,41 @@ def call(command):
         sys.argv = argv
 
 
+class start:  # noqa: N801
+    """A forked process that calls the program, changed first; it and its children end together."""
+
+    def __init__(self, folder, command, change=None):
+        sys.stdout.flush()
+        sys.stderr.flush()
+        self.number = os.fork()
+        if self.number == 0:
+            code = 99
+            try:
+                os.setpgid(0, 0)
+                os.chdir(folder)
+                nothing = os.open(os.devnull, os.O_RDWR)
+                for stream in range(3):
+                    os.dup2(nothing, stream)
+                if change is not None:
+                    change()
+                code = call(command)
+            finally:
+                os._exit(code)
+        with contextlib.suppress(OSError):
+            os.setpgid(self.number, self.number)
+
+    def wait(self):
+        """Return the exit code."""
+        _, status = os.waitpid(self.number, 0)
+        return os.waitstatus_to_exitcode(status)
+
+    def kill(self):
+        """Kill the process and its children."""
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(self.number, signal.SIGKILL)
+        os.waitpid(self.number, 0)
+
+
 def _faults(outcome, folder):
     """Yield what the program promises not to do and did."""
     text, code = outcome.text, outcome.code

@@ -22,8 +22,7 @@ SETS = ["--set", "duration=40 ms", "--set", "output.interval=5 ms",
         "--set", "solver={kind: rk4, step: 1 ms}"]  # fmt: skip
 QUIET = ["--backend", "interpreted", "--no-plots", "-q"]
 PENDULUM = "scenarios/systems/double_pendulum.yaml"
-HUNT = ["hunt", "systems/simple_wheelset.yaml", "--from", "50 m/s", "--to", "70 m/s",
-        "--points", "8", "--no-simulation", *QUIET, "-o", "hunt.h5"]  # fmt: skip
+HUNT = [*mechanism_cases.HUNT, "--backend", "interpreted", "-o", "hunt.h5"]
 CHECKPOINT = "hunt.h5.checkpoint"
 """What a hunting study keeps until it is finished."""
 SEEDS = {
@@ -35,8 +34,8 @@ SEEDS = {
     "study.h5": ["sweep", "study.yaml", "-o", "study.h5", "--workers", "1", "-q",
                  "--backend", "interpreted"],
     "modes.h5": ["eig", PENDULUM, "-o", "modes.h5"],
-    "response.h5": ["response", "scenarios/iltis_ramp_steer.yaml", "-u", "steering", "-y",
-                    "chassis.yaw", "-o", "response.h5", "--points", "20"],
+    "response.h5": ["response", "scenarios/systems/quarter_car.yaml", "-u", "road.height", "-y",
+                    "body.height", "-o", "response.h5", "--points", "20"],
     "kinematics.h5": ["kinematics", "systems/four_bar.yaml", "--drive",
                       "crank.angle=-60 deg:60 deg:6", "-o", "kinematics.h5", "--no-plots", "-q"],
     "inverse.h5": ["inverse", "scenarios/systems/slider_crank.yaml", "-o", "inverse.h5",
@@ -101,6 +100,7 @@ def _inputs():
         "measured.csv": mechanism_cases.MEASURED,
         "track.yaml": table_cases.LAYOUT,
         "cam.yaml": mechanism_cases.CAM,
+        "self_excited.yaml": mechanism_cases.SELF_EXCITED,
         "a.tir": road_file_cases.tyres()[0],
     }
     return {name: text.encode() for name, text in texts.items()}

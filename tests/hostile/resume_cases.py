@@ -1,5 +1,6 @@
 """Spoilt files that a computation goes on from: results to restart from, checkpoints, motions."""
 
+import mechanism_cases
 import result_cases
 import yaml_cases
 from harness import Case
@@ -20,7 +21,10 @@ OUTPUTS = ("out.h5", "hunt.h5", CHECKPOINT)
 def resumed(rng, name):
     """A computation that goes on from a spoilt file."""
     file = rng.choice([name for name in COMMANDS for _ in range(1 if name == CHECKPOINT else 4)])
-    files = {"study.yaml": yaml_cases.STUDY.encode()}
+    files = {
+        "study.yaml": yaml_cases.STUDY.encode(),
+        "self_excited.yaml": mechanism_cases.SELF_EXCITED.encode(),
+    }
     if file == CHECKPOINT:
         files[file] = _cut_or_changed(result_cases.seeds()[file], rng)
     else:

@@ -3,12 +3,11 @@
 ``python tests/hostile --number 100000 --processes 8`` does the same at length.
 """
 
-import subprocess
-import sys
 from pathlib import Path
 
 import campaign
 import harness
+import programs
 import pytest
 
 pytestmark = pytest.mark.xdist_group("hostile")  # warmed up once
@@ -17,12 +16,11 @@ FOLDER = Path(__file__).parent
 
 
 @pytest.mark.hostile
-def test_the_program_holds():
-    """In a process of its own: a fork of the test runner costs as much as ten cases."""
-    done = subprocess.run(
-        [sys.executable, FOLDER, "--number", "1000", "--processes", "1"],
-        cwd=FOLDER.parents[1], capture_output=True, text=True, timeout=1200, check=False,
-    )  # fmt: skip
+def test_the_program_holds(monkeypatch):
+    """In a small process of its own: a fork of the test runner costs as much as ten cases."""
+    monkeypatch.setattr(programs, "TIMEOUT", 1200)
+    command = ["python", FOLDER, "--number", "1000", "--processes", "1"]
+    done = programs.call(command, FOLDER.parents[1])
     assert done.returncode == 0, done.stdout + done.stderr
 
 

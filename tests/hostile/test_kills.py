@@ -4,7 +4,8 @@ By hand with more of them: ``python tests/hostile/kills.py 200``.
 """
 
 import pytest
-from kills import VICTIMS, Campaign, start
+from harness import start
+from kills import VICTIMS, Campaign
 
 pytestmark = pytest.mark.xdist_group("hostile")  # warmed up once
 

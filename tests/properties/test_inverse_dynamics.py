@@ -13,10 +13,10 @@ from vehicledyn.symbolic import ops
 
 pytestmark = pytest.mark.long
 
-SEEDS = range(10)
+SEEDS = range(4)
 
 
-@lru_cache(maxsize=16)
+@lru_cache(maxsize=64)
 def both(make, seed):
     """A system at a random state, and the channels of its inverse dynamics along that motion."""
     d = Derived(make(seed), seed)

@@ -15,7 +15,7 @@ from vehicledyn.vehicles.iltis import Iltis
 
 pytestmark = pytest.mark.long
 
-SEEDS = range(10)
+SEEDS = range(4)
 AGREE = 1e-10
 
 

@@ -57,7 +57,8 @@ def convergence():
 @pytest.mark.parametrize("path", chosen(), ids=lambda path: path.stem)
 def test_half_the_step_moves_no_channel(path, convergence):
     changes = [f"duration={PARTS[path.stem]}"] if path.stem in PARTS else []
-    own, half = (convergence.record(path, parts, changes) for parts in (1, 2))
+    scenario = convergence.ready(path, changes)
+    own, half = (convergence.record(*scenario, parts) for parts in (1, 2))
     moved = convergence.differences(own, half)
     too_far = {name: part for name, (part, _) in moved.items() if part > convergence.BAND}
     assert not too_far
@@ -65,9 +66,7 @@ def test_half_the_step_moves_no_channel(path, convergence):
 
 def test_too_large_a_step_is_found(convergence):
     path = SCENARIOS / "systems" / "quarter_car.yaml"
-    runs = [
-        convergence.record(path, parts, ["solver.step=20 ms", "output.interval=20 ms"])
-        for parts in (1, 2)
-    ]
+    scenario = convergence.ready(path, ["solver.step=20 ms", "output.interval=20 ms"])
+    runs = [convergence.record(*scenario, parts) for parts in (1, 2)]
     name, part, _ = convergence.worst(convergence.differences(*runs))
     assert part > convergence.BAND, name

@@ -101,7 +101,7 @@ def result(tmp_path_factory):
     [
         ("report", "RESULT", "-o", "page.html"),
         ("animate", "RESULT", "-o", "page.html"),
-        ("animate", "RESULT", "--film", "film.gif"),
+        ("animate", "RESULT", "--film", "film.gif", "--to", "0.2 s"),
         ("animate", "RESULT", "--picture", "still.png"),
         ("plot", "RESULT", "-o", "figures"),
         ("schema", "-o", "schema.json"),

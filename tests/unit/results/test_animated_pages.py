@@ -1,6 +1,8 @@
 """Pages of animations in a real browser: they play, seek, turn, and load nothing."""
 
 import io
+import os
+import shutil
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -223,6 +225,16 @@ def test_looks_as_it_did(browser, page):
 
 
 def run(name, path, *changes):
+    """Run a scenario, or copy its result where tests/regression/check.py has the same."""
+    kept = Path(os.environ.get("CHECKED_RESULTS", path.parent / "none"), name).with_suffix(".h5")
+    if kept.is_file():
+        with open_result(kept) as result:
+            is_same = result.is_whole and (
+                not changes or [f"duration={result.time[-1]:g} s"] == [*changes]
+            )
+        if is_same:
+            shutil.copy(kept, path)
+            return
     loaded = load_scenario(ROOT / "scenarios" / name, changes)
     run_scenario(loaded, output=path, backend="auto", progress=lambda *_: None)
 

@@ -10,8 +10,9 @@ from pathlib import Path
 import numpy as np
 
 import vehicledyn.catalogue  # noqa: F401  # registers models, tyres, roads
-from vehicledyn.analyses.preparation.prepare import equilibrium_point, prepare
+from vehicledyn.analyses.preparation.prepare import prepare
 from vehicledyn.analyses.preparation.prepared import Prepared
+from vehicledyn.analyses.simulation.prepared_run import prepare_run
 from vehicledyn.files.scenario import load_model, load_scenario
 from vehicledyn.integrate.simulate import simulate
 
@@ -46,9 +47,8 @@ def drive_text(text, *, backend="auto"):
 
 def record(loaded, *, backend="auto"):
     """Run a loaded scenario as the command line does, but keep the samples in memory."""
-    prepared = prepare(loaded, backend=backend, progress=quiet)
+    prepared, start = prepare_run(loaded, backend=backend, progress=quiet)
     s = loaded.scenario
-    start = equilibrium_point(prepared, s.speed, s.start or "steady")
     times, outputs = [], []
 
     def keep(t, x, z, y):
