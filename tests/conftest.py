@@ -32,6 +32,8 @@ if "VEHICLEDYN_TEST_SERVERS" not in os.environ:
 
 os.environ["PYTHONSAFEPATH"] = "1"  # programs started by tests import the installed package too
 os.environ["MPLBACKEND"] = "agg"
+for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
+    os.environ.setdefault(_name, "1")  # tests run side by side
 
 
 STRATA = ("pages", "validation", "regression", "hostile")

@@ -20,7 +20,7 @@ from vehicledyn.results.store.study_reader import open_study
 
 pytestmark = pytest.mark.long
 
-LONG = STUDY.replace("duration: 0.2 s", "duration: 20 s").replace("number: 24", "number: 400")
+LONG = STUDY.replace("duration: 0.2 s", "duration: 20 s").replace("number: 24", "number: 160")
 LONG = LONG.replace("interval: 20 ms", "interval: 1 s").replace("seed: 5", "seed: 5\n  # long")
 PATIENCE = 120.0
 
@@ -92,7 +92,7 @@ def test_ctrl_c_keeps_what_is_done(folder):
     assert "Traceback" not in told
     assert "cases are kept in stopped.h5, continue with --resume" in told
     done, status, state = kept(folder / "stopped.h5")
-    assert 0 < done < 400
+    assert 0 < done < 160
     assert (status, state) == ("interrupted", "partial: stopped by the user")
     finish(folder, "stopped.h5", "--workers", "1")
 
@@ -105,7 +105,7 @@ def test_a_killed_command_goes_on(folder):
     finally:
         end(process)
     done, status, state = kept(folder / "killed.h5")
-    assert 0 < done < 400
+    assert 0 < done < 160
     assert (status, state[:32]) == ("running", "partial: its process ended unexp")
     assert len(workers) == 2
     await_end(workers)
@@ -207,7 +207,7 @@ def test_a_scheduler_that_goes_away_loses_nothing(folder, certificates):
     assert process.returncode == 3, told
     assert f"the scheduler at {address} has gone away" in told
     assert "Traceback" not in told
-    assert 0 < kept(folder / "gone.h5")[0] < 400
+    assert 0 < kept(folder / "gone.h5")[0] < 160
     finish(folder, "gone.h5", "--workers", "1")
 
 
