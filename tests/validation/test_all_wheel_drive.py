@@ -4,8 +4,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from reference_cases.motions import quiet, recorded
 
-import vehicledyn as vd
+from vehicledyn.analyses.preparation.prepare import start_point
+from vehicledyn.analyses.simulation.prepared_run import prepare_run
+from vehicledyn.files.scenario import load_scenario
 
 pytestmark = [pytest.mark.validation, pytest.mark.long, pytest.mark.xdist_group("all_wheel_drive")]
 
@@ -20,7 +23,7 @@ road: {kind: flat}
 wheel_spin: free
 speed: SPEED
 start: static
-parameters: {centre: {clutch: {torque: CLUTCH}}, car: {driveline: {clutch: {torque: 0 N*m}}}}
+parameters: {centre: {clutch: {torque: 0 N*m}}, car: {driveline: {clutch: {torque: 0 N*m}}}}
 manoeuvre: MANOEUVRE
 duration: DURATION
 solver: {kind: rk4, step: 1 ms}
@@ -38,13 +41,36 @@ CIRCLE = {
 }
 
 
-def driven(folder, words, clutch):
-    path = folder / "run.yaml"
-    text = SCENARIO.replace("SYSTEM", str(SYSTEM)).replace("CLUTCH", clutch)
-    for word, value in words.items():
-        text = text.replace(word, value)
-    path.write_text(text, encoding="utf-8")
-    return vd.simulate(path)
+class Driven:
+    """The car of a scenario, derived once for all torques of its centre clutch."""
+
+    def __init__(self, words, path):
+        text = SCENARIO.replace("SYSTEM", str(SYSTEM))
+        for word, value in words.items():
+            text = text.replace(word, value)
+        path.write_text(text, encoding="utf-8")
+        loaded = load_scenario(path)
+        self.scenario = loaded.scenario
+        self.prepared, _ = prepare_run(loaded, backend="auto", progress=quiet)
+
+    def __call__(self, torque):
+        names = [p.name for p in self.prepared.equations.parameters]
+        kernel = self.prepared.kernel
+        values = kernel.parameters.copy()
+        values[names.index("centre.clutch.torque")] = torque
+        kernel.set_parameters(values)
+        start = start_point(self.prepared, self.scenario.speed, self.scenario.start)
+        return recorded(self.scenario, self.prepared, start)
+
+
+@pytest.fixture(scope="module")
+def started(tmp_path_factory):
+    return Driven(START, tmp_path_factory.mktemp("start") / "run.yaml")
+
+
+@pytest.fixture(scope="module")
+def circling(tmp_path_factory):
+    return Driven(CIRCLE, tmp_path_factory.mktemp("circle") / "run.yaml")
 
 
 def passed(run, drive):
@@ -65,9 +91,9 @@ def speeds(run):
 
 
 @pytest.mark.parametrize("clutch", [0.0, 80.0, 5e3])
-def test_the_centre_shares_torque_alike_but_for_its_clutch(tmp_path, clutch):
+def test_the_centre_shares_torque_alike_but_for_its_clutch(started, clutch):
     """T_front = T/2 - T_c and T_rear = T/2 + T_c, and the input turns at the mean of both."""
-    run = driven(tmp_path, START, f"{clutch} N*m")
+    run = started(clutch)
     front, rear = passed(run, "front_drive"), passed(run, "car.driveline")
     coupled = np.asarray(run["centre.clutch.torque"])
     late = (run.time > 0.3) & (run.time < 0.85)
@@ -85,11 +111,11 @@ def test_the_centre_shares_torque_alike_but_for_its_clutch(tmp_path, clutch):
         assert turned[0][late] == pytest.approx(turned[1][late], rel=2e-2)
 
 
-def test_on_a_circle_an_open_centre_turns_by_the_paths_and_a_locked_one_alike(tmp_path):
+def test_on_a_circle_an_open_centre_turns_by_the_paths_and_a_locked_one_alike(circling):
     """The front axle goes round on √(R² + L²), R of the rear axle, a locked centre slips both."""
     found = []
-    for clutch in ("0 N*m", "5 kN*m"):
-        run = driven(tmp_path, CIRCLE, clutch)
+    for clutch in (0.0, 5e3):
+        run = circling(clutch)
         late = run.time > 2.0
         front, rear = (v[late].mean() for v in speeds(run))
         rate = np.asarray(run["body.yaw_rate"])[late].mean()

@@ -47,8 +47,11 @@ def drive_text(text, *, backend="auto"):
 
 def record(loaded, *, backend="auto"):
     """Run a loaded scenario as the command line does, but keep the samples in memory."""
-    prepared, start = prepare_run(loaded, backend=backend, progress=quiet)
-    s = loaded.scenario
+    return recorded(loaded.scenario, *prepare_run(loaded, backend=backend, progress=quiet))
+
+
+def recorded(s, prepared, start):
+    """Run a scenario that is prepared from a point, and keep the samples in memory."""
     times, outputs = [], []
 
     def keep(t, x, z, y):
