@@ -108,16 +108,7 @@ elements:
 initial: {box.x: 0.06 m, box.z: 0.08 m}
 """
 CONTACTS = {"body_impact": "restitution: 0.3,", "body_contact": "stiffness: 1e6, exponent: 1,"}
-SELF_EXCITED = """\
-title: A mass that begins to swing by itself
-parameters: {gain: 1 N*s/m}
-bodies:
-  mass: {joints: [T1 x], mass: 1 kg}
-forces:
-  spring:
-    coordinate: mass.x
-    force: -100 N/m * position + gain * rate - 4e4 N*s/m^3 * position**2 * rate
-"""
+SELF_EXCITED = (yaml_cases.ROOT / "tests" / "unit" / "cli" / "self_excited.yaml").read_text()
 HUNT = ["hunt", "self_excited.yaml", "--parameter", "gain", "--from", "-1 N*s/m", "--to",
         "2 N*s/m", "--points", "4", "--amplitude", "3e-3", "--no-simulation", "--no-plots",
         "-q"]  # fmt: skip

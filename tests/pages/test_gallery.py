@@ -37,7 +37,8 @@ def test_picture_is_there_and_small(scenario):
 
 def test_every_scenario_has_its_place(gallery):
     assert gallery.scenarios() == SCENARIOS
-    assert all(f"figures/{path.stem}.png" in gallery.page() for path in SCENARIOS)
+    page = gallery.page()
+    assert all(f"figures/{path.stem}.png" in page for path in SCENARIOS)
 
 
 def test_pictures_belong_to_scenarios(gallery):
