@@ -3,6 +3,8 @@
 import io
 import json
 import re
+import tempfile
+import time
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -15,7 +17,13 @@ import table_cases
 import yaml_cases
 from harness import Case, run
 
+from vehicledyn.analyses.sensitivity.motion_study import _check_size
 from vehicledyn.base.errors import InputError
+from vehicledyn.base.files.column_files import Column, read_columns
+from vehicledyn.base.slope_text import slope_of
+from vehicledyn.base.units import parse_unit, to_si
+from vehicledyn.files.expressions.algebra import ExpressionError
+from vehicledyn.files.expressions.expressions import read_expression
 from vehicledyn.results.animation.film import draw_film
 from vehicledyn.results.assessment.even_samples import even_samples
 from vehicledyn.results.assessment.signal import signal_of
@@ -659,3 +667,44 @@ def test_forces_of_more_samples_than_memory_holds():
     files = yaml_cases.around({"motion.csv": table_cases.MOTION.encode()})
     case = Case("inverse", files, [*command, "--motion", "motion.csv"])
     refused(case, "gives 50000001 samples, and forces of at most")
+
+
+def test_derivatives_of_more_samples_than_memory_holds():
+    _check_size(10_000, 10_000)
+    with pytest.raises(InputError, match="more than fit the memory; take a longer one"):
+        _check_size(20_000_000, 40)
+
+
+BLANKS = " " * 100_000
+
+
+@pytest.mark.parametrize(
+    "read",
+    [
+        lambda: to_si(f"1 a{BLANKS}b", "m"),
+        lambda: to_si(f"1{BLANKS}", "m"),
+        lambda: parse_unit("m " * 50_000),
+        lambda: read_expression(f"1{BLANKS[:1900]}!"),
+        lambda: read_expression("1" * 1999 + "!"),
+        lambda: read_columns_of(f"x [{BLANKS}a{BLANKS}\n1\n"),
+        lambda: read_columns_of(f"x{BLANKS}!{BLANKS}\n1\n"),
+        lambda: slope_of("9" * 400 + ":1") or refuse(),
+    ],
+)
+def test_texts_are_read_in_time_that_grows_with_their_length(read):
+    """Blanks that a pattern could share out in many ways took seconds for each kilobyte."""
+    begin = time.process_time()
+    with pytest.raises((InputError, ExpressionError)):
+        read()
+    assert time.process_time() - begin < 0.3
+
+
+def read_columns_of(text):
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder, "a.csv")
+        file.write_text(text)
+        return read_columns(file, {"x": Column("m")})
+
+
+def refuse():
+    raise InputError("no slope")

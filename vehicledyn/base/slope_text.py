@@ -19,7 +19,9 @@ def slope_of(text: str) -> float | None:
     """
     match = _RATIO.fullmatch(text)
     if match:
-        return float(match[1]) / float(match[2]) if float(match[2]) > 0.0 else None
+        rise, run = float(match[1]), float(match[2])
+        value = rise / run if run > 0.0 else math.nan
+        return value if math.isfinite(value) else None
     try:
         value = float(text)
     except ValueError:

@@ -58,9 +58,9 @@ UNITS: dict[str, Unit] = {
     **_PLAIN,
 }
 _SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
-_NUMBER = re.compile(
-    r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*$", re.DOTALL | re.ASCII
-)
+_NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*)", re.DOTALL | re.ASCII)
+LONGEST = 1000
+"""Characters of the longest text that is read as a quantity or unit."""
 _FACTOR = re.compile(
     r"\s*(\*\*|[*/·]?)\s*([A-Za-zµ°%]+|1)"
     r"(?:\s*(?:\^|\*\*)?\s*([+-]?\d+)((?<=\^\d)\.\d{1,2})?)?\s*"
@@ -76,6 +76,8 @@ def parse_unit(text: str) -> Unit:
     InputError
         If a name in the text is not a known unit.
     """
+    if len(text) > LONGEST:
+        raise InputError(f"a text of {len(text)} characters is not a unit")
     superscripts = re.sub(r"([⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)", lambda m: "^" + m[1].translate(_SUPERSCRIPTS), text)
     rest = superscripts.replace("(", " ").replace(")", " ").strip() or "1"
     grouped = "(" in superscripts
@@ -127,7 +129,11 @@ def to_si(value: object, unit: str) -> float:
             raise InputError("the number is too large") from None
     if not isinstance(value, str):
         raise InputError(f"expected a number with a unit of {unit}, found {describe(value)}")
-    match = _NUMBER.match(value)
+    if len(value) > LONGEST:
+        raise InputError(
+            f"expected a number with a unit of {unit}, found a text of {len(value)} characters"
+        )
+    match = _NUMBER.match(value.strip())
     if match is None:
         raise InputError(f"expected a number with a unit of {unit}, found '{value}'")
     number, unit_text = match.groups()
@@ -145,7 +151,7 @@ def to_si(value: object, unit: str) -> float:
 def is_bare(value: object) -> bool:
     """Return whether a value is a number without a unit; zero is the same in all of them."""
     if isinstance(value, str):
-        match = _NUMBER.match(value)
+        match = _NUMBER.match(value.strip()) if len(value) <= LONGEST else None
         return match is not None and not match[2] and float(match[1]) != 0.0
     return isinstance(value, int | float) and not isinstance(value, bool) and value != 0
 

@@ -38,7 +38,9 @@ PREFIX = "input"
 THRUST = f"{PREFIX}.thrust"
 
 _ZERO = (0.0, 0.0, 0.0)
-_WRENCH = re.compile(r"(?P<body>.+)\.(?P<word>force|torque)_(?P<axis>[xyz])(?:@(?P<point>.+))?$")
+_WRENCH = re.compile(
+    r"(?P<body>.{1,500})\.(?P<word>force|torque)_(?P<axis>[xyz])(?:@(?P<point>.+))?$"
+)
 
 
 @dataclass

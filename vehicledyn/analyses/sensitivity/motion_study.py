@@ -37,6 +37,9 @@ from vehicledyn.road.manoeuvres.channel_recorder import Recording
 
 Floats = NDArray[np.float64]
 
+_MOST_NUMBERS = 100_000_000
+"""Of the samples and their derivatives, which are all kept at once."""
+
 _FIXED = (Method.RK4, Method.SYMPLECTIC_EULER)
 
 _AS_GOOD, _MOST_HALVINGS = 1e-5, 5
@@ -86,6 +89,7 @@ class MotionStudy:
         channels = list(dict.fromkeys(chosen))
         notes: list[str] = []
         grid, n_intervals = _grid(loaded, prepared, start, notes)
+        _check_size(n_intervals, len(all_names))
         progress("deriving and compiling the tangents", None)
         code = TangentCode(prepared.equations, channels, back=back)
         course = PartitionCourse(prepared.subject.system, lambda: prepared.watch)
@@ -167,6 +171,7 @@ class MotionStudy:
         by_state = self.start_slopes(chosen)
         by_state[list(self.held)] = 0.0
         by_state = by_state + chosen.by_state
+        _check_size(self.n_intervals, len(self.channels) * by_state.shape[1])
         first, *later = self._parts()
         return follow(
             first.code,
@@ -282,6 +287,16 @@ class MotionStudy:
 
         found = sampled_slopes(figures, motion.values, motion.slopes)
         return {name: (slope, about[name]) for name, slope in found.items()}
+
+
+def _check_size(n_intervals: int, width: int) -> None:
+    """Refuse a motion whose samples, each of so many numbers, do not fit the memory."""
+    if n_intervals * width > _MOST_NUMBERS:
+        raise InputError(
+            f"output.interval: {n_intervals} samples of {width} values and derivatives are more "
+            "than fit the memory; take a longer one, a shorter duration or fewer of them",
+            about=["output.interval"],
+        )
 
 
 def _known(run: dict[str, tuple[FigureSlope, Quantity]], name: str) -> tuple[FigureSlope, Quantity]:

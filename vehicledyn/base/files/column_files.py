@@ -18,7 +18,7 @@ from vehicledyn.base.problems import START, Mark, Problem, refusal
 from vehicledyn.base.units import parse_unit
 
 LARGEST_FILE = 50_000_000
-_HEAD = re.compile(r"\s*([A-Za-z_]\w*(?:\.\w+)*)\s*(?:[\[(]\s*([^\])]*?)\s*[\])])?\s*")
+_HEAD = re.compile(r"([A-Za-z_]\w*(?:\.\w+)*)\s*(?:[\[(]([^\])]*)[\])])?")
 _MOST_TOLD = 20
 
 
@@ -136,9 +136,8 @@ def _head(file: str, lines: list[str], known: Mapping[str, Column]) -> tuple[Col
     columns, problems = Columns(file), []
     for place, (start, cell) in enumerate(_cells(text, separator), 1):
         mark = Mark(begin + 1, start)
-        match = _HEAD.fullmatch(cell)
-        name = match[1] if match else cell
-        wrong = _wrong_head(name, match[2] if match else None, known)
+        name, unit = _name_and_unit(cell) or (cell, None)
+        wrong = _wrong_head(name, unit, known)
         if name in columns.places:
             wrong = f"the column '{name}' is there twice"
         if wrong:
@@ -183,9 +182,17 @@ def _example(name: str, known: Mapping[str, Column]) -> str:
 
 def _heads(line: str, separator: str) -> Iterable[tuple[str, str | None]]:
     for _, cell in _cells(line.partition("#")[0], separator):
-        match = _HEAD.fullmatch(cell)
-        if match:
-            yield match[1], match[2]
+        found = _name_and_unit(cell)
+        if found:
+            yield found
+
+
+def _name_and_unit(cell: str) -> tuple[str, str | None] | None:
+    """Return what a cell of the head names, None if it is no name."""
+    match = _HEAD.fullmatch(cell.strip())
+    if match is None:
+        return None
+    return match[1], None if match[2] is None else match[2].strip()
 
 
 def _factor(unit: str | None) -> float:

@@ -36,8 +36,8 @@ _MOST_SHOWN = 60
 
 _OPERATORS = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.Pow: "**"}
 _COMPARISONS = {ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">="}
-_NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
-_ALONE = re.compile(rf"\s*([+-]?{_NUMBER})\s*([A-Za-zµ°%(1].*?)?\s*$", re.DOTALL)
+_NUMBER = r"(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?"
+_ALONE = re.compile(rf"([+-]?{_NUMBER})\s*([A-Za-zµ°%(1].*)?", re.DOTALL)
 _INSIDE = re.compile(
     rf"(?<![\w.])({_NUMBER})\s+((?:1/)?[A-Za-zµ°%]+(?:\^-?\d+)?(?:[*/][A-Za-zµ°%]+(?:\^-?\d+)?)*)"
 )
@@ -234,7 +234,7 @@ def _refuse_comparison(node: Node) -> None:
 
 def _alone(text: str) -> Quantity | None:
     """Return a number with or without unit, or None if the text is more than that."""
-    match = _ALONE.match(text)
+    match = _ALONE.fullmatch(text.strip())
     if match is None or _SPACED_OPERATOR.search(match[2] or ""):
         return None
     return _quantity(match[1], match[2] or "")
