@@ -21,6 +21,7 @@ extensions = [
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
     "sphinx_parts.unseen",
+    "sphinx_parts.check_only",
     "sphinx_parts.reference",
     "sphinx_parts.docstrings",
     "sphinx_parts.links",
