@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.files.scenario.settings import Settings, override_texts
@@ -12,6 +12,9 @@ from vehicledyn.interface.quantities import speed_in_si, texts
 from vehicledyn.interface.running import Progress, reporter, result_place
 from vehicledyn.interface.targets import Source, read_scenario, read_target
 from vehicledyn.results.labelled.data import LabelledData
+
+if TYPE_CHECKING:
+    from vehicledyn.results.tables.sensitivity_table import SensitivityTable
 
 
 def sensitivity(
@@ -64,15 +67,13 @@ def sensitivity(
     NumericalError
         If the run fails or its derivative does not exist.
     """
-    from vehicledyn.analyses.sensitivity.cycles import find_cycle_sensitivity, is_cycle
-    from vehicledyn.analyses.sensitivity.kinematic_curves import (
-        find_kinematic_sensitivity,
+    from vehicledyn.analyses.sensitivity.figure_kinds import (
+        is_cycle,
         is_kinematic,
+        is_linear,
+        is_response,
     )
-    from vehicledyn.analyses.sensitivity.linear import find_linear_sensitivity, is_linear
-    from vehicledyn.analyses.sensitivity.motion import find_motion_sensitivity
     from vehicledyn.analyses.sensitivity.report import SensitivityReport
-    from vehicledyn.analyses.sensitivity.responses import find_response_sensitivity, is_response
     from vehicledyn.results.tables.sensitivity_table import write_sensitivity
 
     names, patterns, changes = texts("of", of), texts("to", to), override_texts(set, settings)
@@ -93,14 +94,34 @@ def sensitivity(
         if linear[0] or responses[0] or cycles[0]:
             at = None if speed is None else speed_in_si(speed)
             target = read_target(scenario, changes)
-            find = find_linear_sensitivity if linear[0] else find_response_sensitivity
-            find = find_cycle_sensitivity if cycles[0] else find
+            find = _finder(names[0])
             table = find(target, names, patterns, at, reporter(progress))
         elif kinematic[0]:
+            from vehicledyn.analyses.sensitivity.kinematic_curves import find_kinematic_sensitivity
+
             target = read_target(scenario, changes)
             table = find_kinematic_sensitivity(target, names, patterns, reporter(progress))
         else:
+            from vehicledyn.analyses.sensitivity.motion import find_motion_sensitivity
+
             loaded = read_scenario(scenario, changes)
             table = find_motion_sensitivity(loaded, names, patterns, reporter(progress))
         write_sensitivity(place.path, table)
         return place.value(SensitivityReport(table))
+
+
+def _finder(name: str) -> Callable[..., SensitivityTable]:
+    """Return what finds derivatives of linear models, responses or limit cycles."""
+    from vehicledyn.analyses.sensitivity.figure_kinds import is_cycle, is_linear
+
+    if is_linear(name):
+        from vehicledyn.analyses.sensitivity.linear import find_linear_sensitivity
+
+        return find_linear_sensitivity
+    if is_cycle(name):
+        from vehicledyn.analyses.sensitivity.cycles import find_cycle_sensitivity
+
+        return find_cycle_sensitivity
+    from vehicledyn.analyses.sensitivity.responses import find_response_sensitivity
+
+    return find_response_sensitivity

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from vehicledyn.analyses.preparation.build_model import build_subject
-from vehicledyn.analyses.preparation.named_files import named_files
+from vehicledyn.analyses.preparation.memory.named_files import named_files
 from vehicledyn.analyses.preparation.prepared import Derived
 from vehicledyn.codegen.toolchain.fingerprint import fingerprint
 from vehicledyn.files.scenario.load import LoadedScenario

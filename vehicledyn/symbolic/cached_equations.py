@@ -1,26 +1,32 @@
-"""Equations without their expressions: what a run needs to know, as plain data.
+"""Equations as plain data: what a run needs to know of them, and their expressions as a text.
 
 The facts of some equations (names, units, starts, blocks, events, tables) go into a file and come
-back at once; the expressions are derived when one of them is first asked for.
+back at once. Their expressions come back from a text, too, or they are derived when one of them is
+first asked for.
 """
 
 from __future__ import annotations
 
 import base64
+import zlib
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, fields
 from typing import TYPE_CHECKING, Any
 
 from vehicledyn.symbolic.equations import (
+    Attitude,
     Block,
     Channel,
     Equations,
     Event,
     ParameterValue,
+    Seam,
     Variable,
 )
+from vehicledyn.symbolic.shared import know_shared
 
 if TYPE_CHECKING:
+    from vehicledyn.symbolic.constrained_equations import ConstrainedEquations
     from vehicledyn.symbolic.tables import CurveTable
 
 _ITEMS: dict[str, type[Any]] = {
@@ -30,8 +36,11 @@ _ITEMS: dict[str, type[Any]] = {
     "channels": Channel,
     "blocks": Block,
     "events": Event,
+    "attitudes": Attitude,
 }
 _PLAIN = ("name", "positions", "velocities", "structure")
+_EXPRESSIONS = ("time", "state", "algebraic", "parameter", "rate", "residual", "output", "event")
+_OPTIONAL = ("slopes", "reset")
 
 
 class _Deferred:
@@ -62,6 +71,60 @@ def facts_of(equations: Equations) -> dict[str, Any]:
     return plain | {name: [asdict(item) for item in getattr(equations, name)] for name in _ITEMS}
 
 
+def expressions_of(equations: Equations) -> dict[str, Any]:
+    """Return the expressions of equations as a text, and what they are."""
+    import casadi
+
+    e = equations
+    names = [*_EXPRESSIONS, *(name for name in _OPTIONAL if getattr(e, name) is not None)]
+    packed = [casadi.SX(getattr(e, name)) for name in names]
+    found: dict[str, Any] = {"names": names}
+    if e.seam is not None:
+        packed.append(casadi.SX(e.seam.values))
+        found["seam"] = {"names": e.seam.names, "parts": e.seam.parts}
+    serializer = casadi.StringSerializer()
+    serializer.pack(packed)
+    content = zlib.compress(serializer.encode().encode("utf-8"), 1)
+    return found | {"content": base64.b64encode(content).decode("ascii")}
+
+
+def whole_equations(
+    facts: dict[str, Any],
+    expressions: dict[str, Any],
+    constrained: Callable[[], ConstrainedEquations] | None,
+) -> Equations:
+    """Return equations of known facts and expressions.
+
+    Parameters
+    ----------
+    facts, expressions
+        From :func:`facts_of` and :func:`expressions_of`, also by way of JSON.
+    constrained
+        Derives the same motion as residuals.
+
+    Raises
+    ------
+    ValueError, RuntimeError, LookupError, TypeError
+        If the data are none of equations.
+    """
+    import casadi
+
+    try:
+        content = zlib.decompress(base64.b64decode(expressions["content"])).decode("utf-8")
+    except zlib.error as error:
+        raise ValueError(f"no expressions: {error}") from None
+    found = casadi.StringDeserializer(content).unpack()
+    known = _known(facts)
+    for table in known["tables"]:
+        table.announce()
+    know_shared(found)
+    given = dict(zip(expressions["names"], found, strict=False))
+    seam = expressions.get("seam")
+    if seam is not None:
+        given["seam"] = Seam(tuple(seam["names"]), found[-1], tuple(seam["parts"]))
+    return Equations(**known, **given, constrained=constrained)
+
+
 def equations_from(facts: dict[str, Any], source: Callable[[], Equations]) -> Equations:
     """Return equations of known facts.
 
@@ -72,24 +135,31 @@ def equations_from(facts: dict[str, Any], source: Callable[[], Equations]) -> Eq
     source
         Derives the same equations; called once at most for each expression asked for.
     """
+    known = _known(facts)
+    others: dict[str, Any] = {f.name: _DEFERRED for f in fields(Equations) if f.name not in known}
+    return RememberedEquations(**known, **others, source=source)
+
+
+def _known(facts: dict[str, Any]) -> dict[str, Any]:
+    """Return what equations have besides expressions."""
     known: dict[str, Any] = {
         name: tuple(_item(kind, entry) for entry in facts[name]) for name, kind in _ITEMS.items()
     }
-    known |= {
+    return known | {
         "name": facts["name"],
         "structure": facts["structure"],
         "positions": tuple(facts["positions"]),
         "velocities": tuple(facts["velocities"]),
         "tables": tuple(_table(entry) for entry in facts["tables"]),
     }
-    others: dict[str, Any] = {f.name: _DEFERRED for f in fields(Equations) if f.name not in known}
-    return RememberedEquations(**known, **others, source=source)
 
 
 def _item(kind: type[Any], entry: dict[str, Any]) -> Any:
     if kind is Event:
         pairs = {key: tuple((a, b) for a, b in entry[key]) for key in ("resets", "guesses")}
         return Event(**(entry | pairs))
+    if kind is Attitude:
+        return Attitude(tuple(entry["quaternion"]), tuple(entry["velocity"]))
     return kind(**entry)
 
 

@@ -39,28 +39,33 @@ def cell_function(name: str, origin: float, step: float, cells: NDArray[np.float
         "rows", "linear", [range(rows)], cells.ravel(), {"lookup_mode": ["exact"]}
     )
     found = casadi.vertcat(origin + step * cell, row_of(cell))
-    slope = _nothing(f"fwd1_{name}", [(1, 1), (1 + width, 1), (1, 1)], 1 + width, _ORDERS)
-    options: Any = {"never_inline": True, "cache": {slope.name(): slope}}
-    return casadi.Function(name, [x], [found], options)
+    return casadi.Function(name, [x], [found], _flat(name, [(1, 1)], [(1 + width, 1)], _ORDERS))
 
 
-def _nothing(name: str, inputs: list[tuple[int, int]], size: int, orders: int) -> Any:
-    """Return a function that is zero, and so are its derivatives up to some order.
+def _flat(
+    name: str, inputs: list[tuple[int, int]], outputs: list[tuple[int, int]], orders: int
+) -> dict[str, Any]:
+    """Return options of a function whose derivatives are zero, up to some order.
 
-    In forward mode CasADi 3.8 leaves the derivative of a call undefined where it has no nonzeros,
-    so each derivative is given one of full shape. The inputs are arguments, results and seeds;
-    results are not looked at.
+    They are given as Jacobians with all entries, which a function keeps when it is written to a
+    file and read again. CasADi's own would have no entries, and in forward mode it leaves the
+    derivative of a call undefined where it has none.
     """
     import casadi
 
-    symbols = [
-        casadi.MX.sym(
-            "given", casadi.Sparsity(*shape) if shape[0] == size else casadi.Sparsity.dense(*shape)
-        )
-        for shape in inputs
-    ]
     options: dict[str, Any] = {"never_inline": True}
-    if orders > 1:
-        further = _nothing(f"fwd1_{name}", [*inputs, (size, 1), *inputs], size, orders - 1)
-        options["cache"] = {further.name(): further}
-    return casadi.Function(name, symbols, [casadi.MX.zeros(size, 1)], options)
+    if not orders:
+        return options
+    jacobian, given = f"jac_{name}", [*inputs, *outputs]
+    blocks = [(a * b, c * d) for a, b in outputs for c, d in inputs]
+    function = casadi.Function(
+        jacobian,
+        [casadi.MX.sym("given", *shape) for shape in given],
+        [casadi.MX(casadi.DM.zeros(*shape)) for shape in blocks],
+        _flat(jacobian, given, blocks, orders - 1),
+    )
+    return options | {
+        "custom_jacobian": function,
+        "enable_forward": False,
+        "enable_reverse": False,
+    }

@@ -99,6 +99,16 @@ def is_shared(name: str) -> bool:
     return name.startswith(_PREFIX)
 
 
+def know_shared(expressions: Sequence[Any]) -> None:
+    """Note the shared functions in SX matrices that were read from a file."""
+    import casadi
+
+    symbols = casadi.symvar(casadi.veccat(*expressions))
+    whole = casadi.Function("known", symbols, list(expressions))
+    for name in filter(is_shared, whole.get_function()):
+        _FUNCTIONS.get(name, lambda name=name: whole.get_function(name))  # type: ignore[misc]
+
+
 def body_of(function: Any) -> Any:
     """Return a shared function as CasADi writes it out where it is called."""
     import casadi

@@ -18,6 +18,7 @@ from weakref import WeakValueDictionary
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.base.numbers.even_spline import even_spline
 from vehicledyn.symbolic.cell_functions import PREFIX, cell_function
 
 Array = NDArray[np.float64]
@@ -92,10 +93,7 @@ class CurveTable:
             raise ValueError(f"table '{name}' needs a row of at least two values")
         if not np.isfinite(given).all():
             raise ValueError(f"table '{name}' needs finite numbers")
-        from scipy.interpolate import CubicSpline
-
-        spline = CubicSpline(np.arange(given.size, dtype=float), given)
-        return CurveTable(name, float(start), float(step), spline.c[::-1].T)
+        return CurveTable(name, float(start), float(step), even_spline(given))
 
     @property
     def stop(self) -> float:
@@ -118,6 +116,10 @@ class CurveTable:
     def curvature(self, x: Any) -> Any:
         """Return d²y/dx² at a place [unit of y / unit of x²]; zero beyond the ends."""
         return self._polynomial(x, 2)
+
+    def announce(self) -> None:
+        """Make known that expressions look this table up, as those read from a file do."""
+        _ = self._call
 
     @property
     def origin(self) -> float:

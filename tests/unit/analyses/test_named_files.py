@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 import vehicledyn.catalogue  # noqa: F401
-from vehicledyn.analyses.preparation.named_files import named_files
-from vehicledyn.analyses.preparation.run_cache import key_of_run
+from vehicledyn.analyses.preparation.memory.named_files import named_files
+from vehicledyn.analyses.preparation.memory.run_cache import key_of_run
 from vehicledyn.files.scenario import load_scenario
 
 ROOT = Path(__file__).resolve().parents[3]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import vehicledyn.catalogue  # noqa: F401
-from vehicledyn.analyses.preparation.run_cache import key_of_run, recall
+from vehicledyn.analyses.preparation.memory.run_cache import key_of_run, recall
 from vehicledyn.analyses.simulation import prepared_run as rerun
 from vehicledyn.analyses.simulation.simulation import run_scenario
 from vehicledyn.files.scenario import load_scenario

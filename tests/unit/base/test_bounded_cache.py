@@ -9,7 +9,7 @@ from vehicledyn.base.bounded_cache import BoundedCache
 
 PACKAGE = Path(vehicledyn.__file__).parent
 BOUNDED_BY_THEIR_KEYS = {
-    "analyses/preparation/run_cache.py:_program": "nothing",
+    "analyses/preparation/memory/origins.py:_program": "nothing",
     "cli/verbs.py:_command_of": "verbs",
     "codegen/ir/instructions.py:_operations": "nothing",
     "codegen/passes/local_slopes.py:_rules": "nothing",

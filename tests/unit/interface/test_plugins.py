@@ -242,7 +242,7 @@ def test_an_element_of_the_users_own_works_everywhere(tmp_path):
 
 def test_a_run_with_an_element_of_the_users_own_is_not_remembered(tmp_path):
     """The file of the plugin may have changed since."""
-    from vehicledyn.analyses.preparation.run_cache import key_of_run
+    from vehicledyn.analyses.preparation.memory.run_cache import key_of_run
 
     vd.load_plugin(written(tmp_path, WIND, file="my_wind.py"))
     (tmp_path / "sled.yaml").write_text(SLED, encoding="utf-8")

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import vehicledyn.catalogue  # noqa: F401
+from vehicledyn.analyses.preparation.memory.run_cache import key_of_run
 from vehicledyn.analyses.preparation.prepare import prepare, start_point
-from vehicledyn.analyses.preparation.run_cache import key_of_run
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.numbers.shape_preserving import excess, level_slopes
 from vehicledyn.codegen.toolchain.fingerprint import fingerprint

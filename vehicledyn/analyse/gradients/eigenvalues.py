@@ -11,7 +11,7 @@ it for all parameters; a second one adds how the equilibrium moves.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.kernel.engine import Vector
 from vehicledyn.kernel.interpreted import BufferedFunction
+from vehicledyn.kernel.kernel import Kernel
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Equations
 
@@ -28,9 +29,16 @@ Complex = NDArray[np.complex128]
 _ALIKE = 1e-8
 """Distance of eigenvalues, as a part of their size, within which they have no derivative."""
 
+_CHORDS, _GAIN = 15, 0.5
+"""Steps with the slopes of a point beside an equilibrium, and what the rates must fall by in each,
+which ends where rounding does not let them."""
+
 _SMALL = 20_000
-"""Operations up to which all partial derivatives are one function, which grows faster than they;
-of larger equations they are evaluated row by row."""
+"""Operations up to which the derivatives by all motions are one function, which grows faster than
+they; of larger equations they are evaluated row by row."""
+
+_DIFFERENCE = 1e-6
+"""How far a state is moved to both sides to see roughly how the rates follow [its unit]."""
 
 
 @dataclass(frozen=True)
@@ -94,10 +102,13 @@ class EigenDerivatives:
 
         first = gradient(casadi.dot(left, values))
         second = gradient(casadi.dot(left, ops.derivative(values, motion, right)))
+        step = casadi.SX.sym("step", e.parameter.numel())
+        forward = casadi.densify(ops.derivative(values, e.parameter, step))
+        self._forward = BufferedFunction(casadi.Function("forward", [*point, step], [forward]))
         self._first = BufferedFunction(casadi.Function("first", [*point, left], [first]))
         self._whole: BufferedFunction | None = None
         if casadi.Function("values", point, [values]).n_instructions() <= _SMALL:
-            whole = casadi.densify(ops.jacobian(values, everything))
+            whole = casadi.densify(ops.jacobian(values, motion))
             self._whole = BufferedFunction(casadi.Function("whole", point, [whole]))
         self._latest: tuple[LinearPoint, _Motions] | None = None
         self._second = BufferedFunction(casadi.Function("second", [*point, left, right], [second]))
@@ -116,13 +127,89 @@ class EigenDerivatives:
             If the loops are singular, or the equilibrium is not isolated.
         """
         motions = self._motions(point)
-        rows = [motions.equilibrium_left(unit.astype(complex)).real for unit in np.eye(self._n_x)]
-        weights = np.array(rows).reshape(self._n_x, self._n_x)
-        loops, n = motions.partial[self._n_x :, self._n :], self._n
-        closed = -np.linalg.solve(motions.loops, loops)
-        rates = motions.partial[: self._n_x, n:] + motions.by_unknown @ closed
+        weights = motions.equilibrium_left(np.eye(self._n_x, dtype=complex)).real.T
+        by_parameter = self._rows(point)[:, self._n :]
+        closed = -np.linalg.solve(motions.loops, by_parameter[self._n_x :])
+        rates = by_parameter[: self._n_x] + motions.by_unknown @ closed
         states = weights @ rates
         return states, motions.follow @ states + closed
+
+    def along(self, point: LinearPoint, parameter: int) -> Vector:
+        """Return how the states of an equilibrium follow one parameter, shape (n_states,)."""
+        motions, n_x = self._motions(point), self._n_x
+        unit = np.eye(len(point.parameters))[parameter]
+        given = (point.time, point.state, point.unknowns, point.parameters)
+        column = self._forward(*given, unit)[0].ravel()
+        rates = column[:n_x] - motions.by_unknown @ np.linalg.solve(motions.loops, column[n_x:])
+        moved = np.zeros(n_x)
+        if motions.free:
+            rates = rates[list(point.pairs[1])]
+            moved[motions.free] = -np.linalg.lstsq(motions.balance, rates, rcond=1e-12)[0]
+        return moved
+
+    def balanced(
+        self, point: LinearPoint, kernel: Kernel, state: Vector, tolerance: float
+    ) -> LinearPoint | None:
+        """Return the equilibrium near a state, sought with the slopes of a point beside it.
+
+        Parameters
+        ----------
+        point
+            An equilibrium beside it, of other parameters.
+        kernel
+            The model with the parameters of the one that is sought.
+        state
+            States to start from, shape (n_states,).
+        tolerance
+            Largest rate that counts as zero.
+
+        Returns
+        -------
+        LinearPoint | None
+            The equilibrium, or None where these slopes do not lead to it.
+        """
+        motions = self._motions(point)
+        free, rows = list(point.pairs[0]), list(point.pairs[1])
+        if not free:
+            return None
+        trial, unknowns = state.copy(), point.unknowns
+        best, least = None, np.inf
+        try:
+            for _ in range(_CHORDS):
+                guess = unknowns + motions.follow @ (trial - point.state)
+                solved = kernel.solve_unknowns(point.time, trial, guess)
+                rates = kernel.rates(point.time, trial, solved)[rows]
+                size = float(np.max(np.abs(rates)))
+                if not size < _GAIN * least:
+                    break
+                least = size
+                if size <= tolerance:
+                    best = replace(
+                        point, parameters=kernel.parameters, state=trial.copy(), unknowns=solved
+                    )
+                trial[free] -= np.linalg.lstsq(motions.balance, rates, rcond=1e-12)[0]
+        except NumericalError:
+            return best
+        return best
+
+    def rough_eigenvalues(self, point: LinearPoint, base: LinearPoint, kernel: Kernel) -> Complex:
+        """Return the eigenvalues about a point from differences of rates, good to some digits.
+
+        Compiled rates make them in a part of the time that exact derivatives take. ``base`` is a
+        point beside it, whose loops move alike, ``kernel`` the model with the point's parameters.
+        """
+        follow, matrix = self._motions(base).follow, []
+        for column, unit in enumerate(_DIFFERENCE * np.eye(self._n_x)):
+            found = []
+            for moved in (unit, -unit):
+                state, solved = point.state + moved, point.unknowns
+                if solved.size:
+                    guess = solved + moved[column] * follow[:, column]
+                    solved = kernel.solve_unknowns(point.time, state, guess)
+                found.append(kernel.rates(point.time, state, solved))
+            matrix.append((found[0] - found[1]) / (2.0 * _DIFFERENCE))
+        values: Complex = np.linalg.eigvals(np.array(matrix).T).astype(complex)
+        return values
 
     def at(
         self, point: LinearPoint, chosen: Callable[[Complex], Sequence[int]] | None = None
@@ -171,17 +258,30 @@ class EigenDerivatives:
         n_x, n = self._n_x, self._n
         given = (point.time, point.state, point.unknowns, point.parameters)
         if self._whole is None:
-            rows = np.array([self._first(*given, row)[0].ravel() for row in np.eye(n)])
+            partial = self._rows(point)[:, :n]
         else:
-            rows = self._whole(*given)[0]
-        partial = rows.reshape(n, n + len(point.parameters))
-        if not np.isfinite(partial[:, :n]).all():
+            partial = self._whole(*given)[0].reshape(n, n)
+        if not np.isfinite(partial).all():
             raise NumericalError("derivatives are no finite numbers where eigenvalues are wanted")
         try:
             follow = -np.linalg.solve(partial[n_x:, n_x:n], partial[n_x:, :n_x])
         except np.linalg.LinAlgError:
             raise NumericalError("the loops are singular where eigenvalues are wanted") from None
         return _Motions(partial, follow, point.pairs, n_x)
+
+    def _rows(self, point: LinearPoint) -> Vector:
+        """Return derivatives of rates and residuals by motions and parameters, row by row."""
+        given = (point.time, point.state, point.unknowns, point.parameters)
+        rows = [self._first(*given, row)[0].ravel() for row in np.eye(self._n)]
+        return np.array(rows).reshape(self._n, self._n + len(point.parameters))
+
+    def _by_parameter(self, given: Any, weights: Complex) -> Complex:
+        """Return the derivative of weighted rates and residuals by the parameters."""
+        found = np.zeros(len(given[3]), dtype=complex)
+        for power, part in enumerate((weights.real, weights.imag)):
+            if part.any():
+                found += 1j**power * self._first(*given, part)[0].ravel()[self._n :]
+        return found
 
     def _slope(self, given: Any, motions: _Motions, left: Complex, right: Complex) -> Complex:
         """Return the derivative by the states that are not free and by the parameters."""
@@ -196,7 +296,7 @@ class EigenDerivatives:
         moved = motions.equilibrium_left(by_state)
         loops = motions.loops_left(gradient[n_x:n])
         weights = np.concatenate([moved, motions.loops_left_of(moved) + loops])
-        by_parameter = gradient[n:] + weights @ motions.partial[:, n:]
+        by_parameter = gradient[n:] + self._by_parameter(given, weights)
         by_held = by_state + moved @ motions.matrix
         by_held[motions.free] = 0.0
         return np.concatenate([by_held, by_parameter])
@@ -207,10 +307,15 @@ class _Motions:
 
     def __init__(self, partial: Any, follow: Any, pairs: Any, n_x: int) -> None:
         n = n_x + len(follow)
-        self.partial, self.follow, self._n_x = partial, follow, n_x
+        self.follow, self._n_x = follow, n_x
         self.matrix = partial[:n_x, :n_x] + partial[:n_x, n_x:n] @ follow
         self.by_unknown, self.loops = partial[:n_x, n_x:n], partial[n_x:, n_x:n]
         self.free, self._balanced = list(pairs[0]), list(pairs[1])
+
+    @property
+    def balance(self) -> Vector:
+        """Derivatives of the balanced rates by the free states."""
+        return np.asarray(self.matrix[np.ix_(self._balanced, self.free)], dtype=float)
 
     def closed_right(self, vector: Complex) -> Complex:
         """Return a motion of the states with that of the unknowns."""
@@ -229,14 +334,17 @@ class _Motions:
         return np.asarray(-np.linalg.solve(self.loops.T, by_unknown), dtype=complex)
 
     def equilibrium_left(self, by_state: Complex) -> Complex:
-        """Return the multipliers of the balanced rates that take a derivative by free states."""
-        weights = np.zeros(self._n_x, dtype=complex)
+        """Return the multipliers of the balanced rates that take derivatives by free states.
+
+        One derivative, shape (n_states,), or several, one a column.
+        """
+        weights = np.zeros_like(by_state)
         if not self.free:
             return weights
-        square = self.matrix[np.ix_(self._balanced, self.free)]
-        found = -np.linalg.lstsq(square.T, by_state[self.free], rcond=1e-12)[0]
-        missed = np.abs(square.T @ found + by_state[self.free])
-        if np.any(missed > 1e-6 * np.max(np.abs(by_state[self.free]), initial=1e-300)):
+        square, felt = self.balance, by_state[self.free]
+        found = -np.linalg.lstsq(square.T, felt, rcond=1e-12)[0]
+        missed = np.abs(square.T @ found + felt)
+        if np.any(missed > 1e-6 * np.max(np.abs(felt), axis=0, initial=1e-300)):
             raise NumericalError("the equilibrium has no derivative: it is not isolated")
         weights[self._balanced] = found
         return weights

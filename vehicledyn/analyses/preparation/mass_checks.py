@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.analyses.preparation.memory.equation_memory import is_resisted, remember_resisted
 from vehicledyn.base.errors import InputError
 
 if TYPE_CHECKING:
@@ -96,11 +97,17 @@ def _told(prepared: Prepared, found: list[Idle]) -> str:
 def _idle(
     prepared: Prepared, time: float, state: Vector, unknowns: Vector, **share: float
 ) -> list[Idle]:
-    kernel = prepared.kernel
+    kernel, key = prepared.kernel, prepared.derived.key
+    point = (time, state, unknowns, kernel.parameters, list(share.values()))
+    if key and is_resisted(key, *point):
+        return []
     values = np.array(kernel.outputs(time, state, unknowns))
     rows = {channel.name: k for k, channel in enumerate(prepared.equations.channels)}
     joints = prepared.resistance.joints
     q = np.array([values[rows[j.name]] if j.name in rows else j.start for j in joints])
     if not np.isfinite(q).all():
         return []
-    return prepared.resistance.idle(time, q, kernel.parameters, **share)
+    found = prepared.resistance.idle(time, q, kernel.parameters, **share)
+    if key and not found:
+        remember_resisted(key, *point)
+    return found

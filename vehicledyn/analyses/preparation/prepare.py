@@ -18,9 +18,14 @@ from vehicledyn.analyses.preparation.curved_starts import (
 )
 from vehicledyn.analyses.preparation.error_locations import told_with_places
 from vehicledyn.analyses.preparation.mass_checks import refuse_idle_start
+from vehicledyn.analyses.preparation.memory.origins import key_of
+from vehicledyn.analyses.preparation.memory.remembered import (
+    remember_derived,
+    remembered,
+    warnings_told,
+)
 from vehicledyn.analyses.preparation.prepared import (
     Check,
-    Derived,
     Prepared,
     Progress,
     by_partitioning,
@@ -89,7 +94,8 @@ def prepare(
         needs of it, so that a refusal does not wait for a derivation or a compiler.
     varies_states
         Whether the states are to be varied one by one, as equilibria and linear analyses do: they
-        are independent coordinates then, however the system's runs treat constraints.
+        are independent coordinates then, however the system's runs treat constraints. Equations
+        that were compiled for this before, without a warning, are remembered.
     evaluations
         How many evaluations of the rates are expected; None where few are.
     """
@@ -100,12 +106,20 @@ def prepare(
             subject = change(subject)
         if varies_states:
             subject = by_partitioning(subject)
-    derived = Derived(target, subject)
-    if check is not None:
-        check(derived)
-    kernel = compile_kernel(
-        derived.equations, backend=backend, progress=progress, evaluations=evaluations
-    )
+    may_know = varies_states and change is None and backend != "interpreted"
+    key = (key_of(target, "varied") if may_know else None) or ""
+    derived, kernel = remembered(target, subject, key)
+    with warnings_told() as told:
+        if check is not None:
+            check(derived)
+        if kernel is not None:
+            progress("found in the cache", 1.0)
+            return Prepared(subject, derived.equations, kernel, derived)
+        kernel = compile_kernel(
+            derived.equations, backend=backend, progress=progress, evaluations=evaluations
+        )
+    if key and kernel.key and not told:
+        remember_derived(derived, kernel)
     return Prepared(subject, derived.equations, kernel, derived)
 
 

@@ -31,10 +31,16 @@ Progress = Callable[[str, float | None], None]
 
 @dataclass
 class Derived:
-    """The derivation of a target, made when it is first asked for."""
+    """The derivation of a target, made when it is first asked for.
+
+    ``key`` names the model among those that are remembered, empty where it is not;
+    ``remembered`` are its equations from there.
+    """
 
     target: Target
     subject: Subject
+    key: str = ""
+    remembered: Equations | None = None
 
     @cached_property
     def derivation(self) -> Derivation:
@@ -46,7 +52,12 @@ class Derived:
 
     @cached_property
     def equations(self) -> Equations:
-        """Its equations."""
+        """Its equations, as they are remembered or derived."""
+        return self.remembered or self.derived_equations
+
+    @cached_property
+    def derived_equations(self) -> Equations:
+        """Its equations, derived."""
         from vehicledyn.multibody.equations.derivation import equations_of
 
         with undisturbed(), told_with_places(self.target):

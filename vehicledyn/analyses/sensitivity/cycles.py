@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -24,6 +23,11 @@ from vehicledyn.analyses.preparation.own_speed import own_speed
 from vehicledyn.analyses.preparation.prepare import prepare
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.analyses.sensitivity.cycle_figures import CycleFigures
+from vehicledyn.analyses.sensitivity.figure_kinds import (
+    CYCLE_FIGURE,
+    CYCLE_WORDS,
+    NONLINEAR,
+)
 from vehicledyn.analyses.sensitivity.names import directions
 from vehicledyn.base.errors import InputError, NumericalError, unknown_name
 from vehicledyn.files.scenario.target import Target
@@ -32,17 +36,6 @@ from vehicledyn.results.tables.sensitivity_table import SensitivityTable
 from vehicledyn.symbolic.equations import Equations
 
 Floats = NDArray[np.float64]
-
-NONLINEAR = "nonlinear_critical_speed"
-WHOLE = ("cycle_period", "cycle_frequency")
-WORDS = {
-    "cycle_amplitude": "Half the range of {}",
-    "cycle_max": "Maximum of {}",
-    "cycle_min": "Minimum of {}",
-    "cycle_mean": "Mean of {}",
-    "cycle_rms": "Root mean square of {}",
-}
-_NAME = re.compile(rf"({'|'.join(WORDS)})\((.+)\)")
 
 _BESIDE = 0.9, 1.1
 """Range round the speed at which branches are looked for, parts of it."""
@@ -53,11 +46,6 @@ _MOST_INTERVALS = 640
 _CONVERGED, _TOLERATED = 1e-7, 1e-4
 """Change of effects with half the mesh, part of the largest one, with which the mesh suffices, and
 above which a note says so."""
-
-
-def is_cycle(name: str) -> bool:
-    """Return whether a name asks for a figure of limit cycles."""
-    return name == NONLINEAR or name in WHOLE or _NAME.fullmatch(name) is not None
 
 
 @dataclass(frozen=True)
@@ -188,7 +176,7 @@ class _Cycles:
                     yield Quantity(label, unit, f"{what} {words}"), *figures.whole(item.kind)
                     continue
                 channel = e.channels[item.channel]
-                what = WORDS[item.kind].format(channel.name)
+                what = CYCLE_WORDS[item.kind].format(channel.name)
                 own = figures.of_channel(item.kind, channels.index(item.channel))
                 yield Quantity(label, channel.unit, f"{what} {words}"), *own
 
@@ -291,7 +279,7 @@ def _parsed(name: str, equations: Equations) -> _Asked:
     InputError
         If there is no such channel.
     """
-    match = _NAME.fullmatch(name)
+    match = CYCLE_FIGURE.fullmatch(name)
     if match is None:
         return _Asked(name, name, None)
     channels = [c.name for c in equations.channels]

@@ -27,15 +27,9 @@ from vehicledyn.results.tables.sensitivity_table import SensitivityTable
 
 Floats = NDArray[np.float64]
 
-_KIND = re.compile(r"kinematics\(.*\)")
 _NAME = re.compile(r"kinematics\(([^,]+),([^,]+),([^,]+)\)")
 _SINGULAR = 1e-10
 """Part of the largest singular value of the rows below which a place is singular."""
-
-
-def is_kinematic(name: str) -> bool:
-    """Return whether a name asks for a kinematic curve, ``kinematics(CHANNEL, DRIVE, VALUES)``."""
-    return _KIND.fullmatch(name) is not None
 
 
 def find_kinematic_sensitivity(

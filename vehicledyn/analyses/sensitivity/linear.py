@@ -14,9 +14,20 @@ from vehicledyn.analyse.gradients.eigenvalues import EigenDerivatives, EigenSlop
 from vehicledyn.analyse.gradients.linear_system import Following
 from vehicledyn.analyses.linear.mode_report import NEAR_ZERO
 from vehicledyn.analyses.preparation.own_speed import at_speed
-from vehicledyn.analyses.preparation.prepare import prepare, reference_start, start_point
+from vehicledyn.analyses.preparation.prepare import (
+    BALANCE_TOLERANCE,
+    prepare,
+    reference_start,
+    start_point,
+)
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress, refuse_multipliers
-from vehicledyn.analyses.sensitivity.mode_shapes import is_mode_shape, mode_shapes
+from vehicledyn.analyses.sensitivity.figure_kinds import (
+    BALANCE,
+    CRITICAL,
+    EIGENVALUES,
+    is_mode_shape,
+)
+from vehicledyn.analyses.sensitivity.mode_shapes import mode_shapes
 from vehicledyn.analyses.sensitivity.names import directions
 from vehicledyn.base.errors import InputError, NumericalError, nearest_name
 from vehicledyn.files.scenario.target import Target
@@ -25,15 +36,12 @@ from vehicledyn.results.tables.sensitivity_table import SensitivityTable
 
 Floats = NDArray[np.float64]
 
-EIGENVALUES, CRITICAL, BALANCE = "eigenvalues", "critical_speed", "equilibrium."
 _STRIDE, _MOST_STRIDES, _MOST_STEPS = 1.15, 40, 30
-_FOUND = 1e-11
-"""Part of a critical speed that its last correction may have."""
+_FOUND = 1e-9
+"""Part of a critical speed that its last correction may have; what is then left is its square."""
 
-
-def is_linear(name: str) -> bool:
-    """Return whether a name asks for a figure of the linearised model."""
-    return name in (EIGENVALUES, CRITICAL) or name.startswith(BALANCE) or is_mode_shape(name)
+_MOST_SECANTS, _NEAR = 6, 1e-6
+"""Rough steps towards a critical speed, and the part of it to which they are worth while."""
 
 
 @dataclass
@@ -71,14 +79,18 @@ class _Model:
             )
         return names.index("speed")
 
-    def at_speed(self, speed: float) -> LinearPoint:
-        """Return the equilibrium at another speed [m/s], near the last one."""
-        index, old = self.speed_index, self.point
+    def at_speed(self, speed: float, base: LinearPoint | None = None) -> LinearPoint:
+        """Return the equilibrium at another speed [m/s], near the last one or a given one."""
+        index, old = self.speed_index, base or self.point
         parameters = old.parameters.copy()
-        along = self.derivatives.equilibrium(old)[0][:, index] + self.by_speed
+        along = self.derivatives.along(old, index) + self.by_speed
         state = old.state + (speed - parameters[index]) * along
         parameters[index] = speed
         kernel = self.prepared.kernel.with_parameters(parameters)
+        near = self.derivatives.balanced(old, kernel, state, BALANCE_TOLERANCE)
+        if near is not None:
+            self.point = near
+            return near
         found = find_equilibrium(
             self.prepared.equations,
             kernel,
@@ -87,7 +99,7 @@ class _Model:
             unknowns=old.unknowns,
             free=old.pairs[0],
             balanced=old.pairs[1],
-            tolerance=1e-9,
+            tolerance=BALANCE_TOLERANCE,
             derivatives=self.prepared.derivatives,
         )
         self.point = replace(old, parameters=parameters, state=found.state, unknowns=found.unknowns)
@@ -210,8 +222,7 @@ def _eigenvalues(model: _Model) -> Found:
 def _critical_speed(model: _Model) -> Found:
     """Return the speed at which a mode begins to grow: dv = -Re(dλ/dp) / Re(dλ/dv)."""
     index = model.speed_index
-    stable, unstable = _bracket(model, index)
-    speed = unstable
+    stable, unstable, speed = _nearer(model, *_bracket(model, index))
     for _ in range(_MOST_STEPS):
         slopes = model.derivatives.at(model.at_speed(speed), _fastest)
         growth, by_parameter = float(slopes.values[0].real), _by_parameter(model, slopes)[0]
@@ -219,6 +230,7 @@ def _critical_speed(model: _Model) -> Found:
         stable, unstable = (stable, speed) if growth > 0.0 else (speed, unstable)
         step = -growth / rate if rate else np.inf
         if abs(step) <= _FOUND * speed:
+            speed += step
             break
         inside = stable < speed + step < unstable
         speed = speed + step if inside else 0.5 * (stable + unstable)
@@ -241,8 +253,11 @@ def _fastest(values: Any) -> list[int]:
     return [max(moving, key=lambda k: values[k].real)] if moving else []
 
 
-def _bracket(model: _Model, index: int) -> tuple[float, float]:
-    """Return a speed at which all oscillations decay and a higher one at which one grows."""
+def _bracket(model: _Model, index: int) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Return a speed at which all oscillations decay and a higher one at which one grows.
+
+    Each is returned with the growth of the oscillation that grows fastest there [1/s].
+    """
 
     def growth(speed: float) -> float:
         values = model.derivatives.eigenvalues(model.at_speed(speed))
@@ -252,13 +267,48 @@ def _bracket(model: _Model, index: int) -> tuple[float, float]:
     speed = float(model.point.parameters[index])
     if speed <= 0.0:
         raise InputError("the search for the critical speed needs a speed above zero to begin at")
-    up = growth(speed) <= 0.0
+    here = speed, growth(speed)
+    up = here[1] <= 0.0
     for _ in range(_MOST_STRIDES):
-        other = speed * _STRIDE if up else speed / _STRIDE
-        if (growth(other) <= 0.0) != up:
-            return (speed, other) if up else (other, speed)
-        speed = other
-    raise NumericalError(f"no mode begins to grow up to {speed:g} m/s: no critical speed was found")
+        other = here[0] * _STRIDE if up else here[0] / _STRIDE
+        there = other, growth(other)
+        if (there[1] <= 0.0) != up:
+            return (here, there) if up else (there, here)
+        here = there
+    raise NumericalError(
+        f"no mode begins to grow up to {here[0]:g} m/s: no critical speed was found"
+    )
+
+
+def _nearer(
+    model: _Model, low: tuple[float, float], high: tuple[float, float]
+) -> tuple[float, float, float]:
+    """Return a bracket and a speed in it to go on from, sought with rough eigenvalues.
+
+    ``low`` and ``high`` are speeds with the growth of an oscillation there, of which the first
+    decays. The bracket stays as it is, since rough values decide nothing.
+    """
+    if not np.isfinite(low[1]):
+        return low[0], high[0], high[0]
+    (a, below), (b, above) = low, high
+    speed = a + below / (below - above) * (b - a)
+    if model.prepared.kernel.backend != "compiled":
+        return low[0], high[0], speed
+    base = model.point
+    for _ in range(_MOST_SECANTS):
+        point = model.at_speed(speed, base)
+        kernel = model.prepared.kernel.with_parameters(point.parameters)
+        values = model.derivatives.rough_eigenvalues(point, base, kernel)
+        chosen = _fastest(values)
+        growth = float(values[chosen[0]].real) if chosen else np.nan
+        a, below, b, above = b, above, speed, growth
+        found = b - above * (b - a) / (above - below) if above != below else np.nan
+        if not low[0] < found < high[0]:
+            break
+        speed = float(found)
+        if abs(speed - b) <= _NEAR * speed:
+            break
+    return low[0], high[0], speed
 
 
 def _balance(model: _Model, pattern: str) -> Found:

@@ -11,19 +11,13 @@ from vehicledyn.analyse.gradients.eigenvalues import LinearPoint, is_apart
 from vehicledyn.analyse.gradients.linear_system import Following, SystemDerivatives, mode_slope
 from vehicledyn.analyses.linear.mode_report import NEAR_ZERO
 from vehicledyn.analyses.preparation.prepared import Prepared
+from vehicledyn.analyses.sensitivity.figure_kinds import MODE_SHAPES
 from vehicledyn.base.errors import InputError, NumericalError, nearest_name
 from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.results.tables.response_table import ratio_unit
 
-MODE_SHAPES = "mode_shapes"
-
 _STILL = 1e-9
 """Part of the largest element of a shape up to which coordinates count as still."""
-
-
-def is_mode_shape(name: str) -> bool:
-    """Return whether a name asks for mode shapes, of all states or of those of a pattern."""
-    return name == MODE_SHAPES or name.startswith(f"{MODE_SHAPES}.")
 
 
 def mode_shapes(

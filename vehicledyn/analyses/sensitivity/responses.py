@@ -23,7 +23,6 @@ from vehicledyn.results.tables.response_table import ratio_unit
 from vehicledyn.results.tables.sensitivity_table import SensitivityTable
 
 _NAME = re.compile(r"(gain|phase|peak_gain|peak_frequency)\(([^,]+),(.+),([^,]+)\)")
-_KIND = re.compile(r"(gain|phase|peak_gain|peak_frequency)\(.*\)")
 
 
 class _Asked(NamedTuple):
@@ -41,11 +40,6 @@ class _Place(NamedTuple):
     row: int
     column: int
     unit: str
-
-
-def is_response(name: str) -> bool:
-    """Return whether a name asks for a frequency response, such as ``gain(y, u, 2 Hz)``."""
-    return _KIND.fullmatch(name) is not None and "," in name
 
 
 def find_response_sensitivity(

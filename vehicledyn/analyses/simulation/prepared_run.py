@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-import logging
 import math
-from collections.abc import Iterator
-from contextlib import contextmanager
 
 import numpy as np
 
 from vehicledyn.analyses.preparation.build_model import build_subject
 from vehicledyn.analyses.preparation.error_locations import told_with_places
 from vehicledyn.analyses.preparation.mass_checks import refuse_idle_start, refuse_rigid_loops
+from vehicledyn.analyses.preparation.memory.remembered import warnings_told
+from vehicledyn.analyses.preparation.memory.run_cache import Memory, key_of_run, recall, remember
 from vehicledyn.analyses.preparation.prepare import Point, prepare, start_point
 from vehicledyn.analyses.preparation.prepared import Check, Derived, Prepared, Progress
-from vehicledyn.analyses.preparation.run_cache import Memory, key_of_run, recall, remember
 from vehicledyn.analyses.simulation.animation_recorder import look_of
-from vehicledyn.base.version import PACKAGE
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.kernel.make_kernel import Backend, known_kernel
 from vehicledyn.symbolic.cached_equations import equations_from, facts_of
@@ -36,7 +33,7 @@ def prepare_run(
     found = None if memory is None else _from_memory(loaded, memory)
     if found is not None:
         return found
-    with _warnings() as told:
+    with warnings_told() as told:
         prepared = prepare(
             loaded,
             backend=backend,
@@ -91,27 +88,3 @@ def _memory_of(prepared: Prepared, start: Point) -> Memory:
         prepared.kernel.parameters.tolist(),
         prepared.look,
     )
-
-
-class _Collector(logging.Handler):
-    """Keeps the messages it is given."""
-
-    def __init__(self, level: int) -> None:
-        super().__init__(level)
-        self.records: list[logging.LogRecord] = []
-
-    def emit(self, record: logging.LogRecord) -> None:
-        """Keep a message."""
-        self.records.append(record)
-
-
-@contextmanager
-def _warnings() -> Iterator[list[logging.LogRecord]]:
-    """Collect the warnings that are given meanwhile."""
-    handler = _Collector(logging.WARNING)
-    logger = logging.getLogger(PACKAGE)
-    logger.addHandler(handler)
-    try:
-        yield handler.records
-    finally:
-        logger.removeHandler(handler)

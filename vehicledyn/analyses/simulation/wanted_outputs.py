@@ -71,7 +71,7 @@ def validate_outputs(loaded: LoadedScenario) -> None:
     InputError
         With all of them. Loops that cannot be assembled are left to the run to report.
     """
-    from vehicledyn.analyses.preparation.run_cache import (
+    from vehicledyn.analyses.preparation.memory.run_cache import (
         key_of_run,
         recall_channels,
         remember_channels,

@@ -22,9 +22,25 @@ _GENERATORS = (
 )
 """Modules that print kernels and the C they share, as patterns from the folder of the generator."""
 
+_KNOWN = "_fingerprint"
+"""Where equations keep their fingerprint; changed ones, being others, have none."""
+
 
 def fingerprint(equations: Equations) -> str:
     """Return a text that is equal for equal equations, whatever values and tables hold."""
+    known: str | None = vars(equations).get(_KNOWN)
+    if known is None:
+        known = _taken(equations)
+        note_fingerprint(equations, known)
+    return known
+
+
+def note_fingerprint(equations: Equations, known: str) -> None:
+    """Note the fingerprint of equations, so that it is not taken again."""
+    object.__setattr__(equations, _KNOWN, known)
+
+
+def _taken(equations: Equations) -> str:
     import casadi
 
     e = equations

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from vehicledyn.base.files.limits import TooLargeError, UnreadableFileError, read_regular
-from vehicledyn.files.scenario import LoadedScenario
+from vehicledyn.files.scenario.target import Target
 
 _NAMING = (".yaml", ".yml", ".crg")
 _END_OF_HEADER = b"\n$$$$"
@@ -21,17 +21,17 @@ LARGEST_FILE = 200_000_000
 """Bytes of the largest file whose content counts; of larger ones size and time do."""
 
 
-def named_files(loaded: LoadedScenario) -> dict[str, str]:
-    """Return digests of the contents of all files that a scenario names, by their paths.
+def named_files(target: Target) -> dict[str, str]:
+    """Return digests of the contents of all files that a scenario or model names, by their paths.
 
     Every text of the scenario, of its system and of the YAML files and OpenCRG headers found is
     tried as the name of a file, relative to the file that holds it, since fields say nothing of
     whether they may name one.
     """
     found: dict[str, str] = {}
-    waiting = [(text, loaded.path.parent) for text in _texts(loaded.resolved)]
-    folder = Path(loaded.written.path).parent
-    waiting += [(text, folder) for text in _words(loaded.written.text)]
+    waiting = [(text, target.origin.parent) for text in _texts(target.resolved)]
+    folder = Path(target.written.path).parent
+    waiting += [(text, folder) for text in _words(target.written.text)]
     while waiting:
         name, folder = waiting.pop()
         path = folder / name

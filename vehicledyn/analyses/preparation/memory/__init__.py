@@ -1,0 +1,1 @@
+"""What was derived before, kept on disk by all that it follows from."""
