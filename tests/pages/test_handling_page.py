@@ -8,6 +8,7 @@ from programs import run
 
 from vehicledyn.files.scenario import load_scenario
 from vehicledyn.results.plots.handling.test_figures import TESTS
+from vehicledyn.results.tables.handling_headings import STANDARDS, heading
 
 pytestmark = pytest.mark.long
 
@@ -31,8 +32,20 @@ def test_listings_and_commands(tmp_path):
     assert "Understeer gradient" in (tmp_path / "steady.html").read_text()
 
 
+def test_every_test_has_a_heading_with_its_standard():
+    for test, title in TESTS.items():
+        assert test in STANDARDS
+        for standard in STANDARDS[test].split(", ")[:1]:
+            assert standard.split(" S")[0] in title or "NHTSA" in standard, test
+    assert heading("step_steer") == "Step steer (ISO 7401)"
+
+
 def test_page_names_every_test():
     said = PAGE.lower().replace("-", " ")
-    other = {"braking_in_turn": "braking in a turn", "crosswind": "side wind"}
+    other = {
+        "braking_in_turn": "braking in a turn",
+        "crosswind": "side wind",
+        "split_braking_steered": "held and steered",
+    }
     for test in TESTS:
         assert other.get(test, test.replace("_", " ").removesuffix(" steer")) in said, test

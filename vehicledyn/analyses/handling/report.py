@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from vehicledyn.base.units import shown
+from vehicledyn.results.tables.handling_headings import heading
 from vehicledyn.results.tables.handling_table import TRUTH, HandlingTable, KeyFigure
 
 
@@ -26,7 +27,7 @@ class HandlingReport:
         tests = dict.fromkeys(f.test for table in tables for f in table.figures)
         keys = list(dict.fromkeys(key for figures in known for key in figures))
         for test in tests:
-            lines += ["", test.replace("_", " ")]
+            lines += ["", heading(test)]
             for key in keys:
                 figure = next(figures[key] for figures in known if key in figures)
                 if figure.test == test:

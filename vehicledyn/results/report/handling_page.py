@@ -11,6 +11,7 @@ from vehicledyn.results.plots.handling.test_figures import handling_figures
 from vehicledyn.results.report.images import picture
 from vehicledyn.results.report.page import Notes, Page, Pictures, Section, Table, render
 from vehicledyn.results.report.texts import change, reading
+from vehicledyn.results.tables.handling_headings import heading
 from vehicledyn.results.tables.handling_table import TRUTH, HandlingTable, KeyFigure
 
 Progress = Callable[[str, float | None], None]
@@ -37,8 +38,7 @@ def write_handling_page(target: Path, tables: Sequence[HandlingTable], progress:
             progress(f"drawing {name.replace('_', ' ')}", None)
             pictures.append(picture(figure))
     names = [table.model for table in tables]
-    sections = [Section(test.replace("_", " ").capitalize(), [_table(tables, test)])
-                for test in _tests(tables)]  # fmt: skip
+    sections = [Section(heading(test), [_table(tables, test)]) for test in _tests(tables)]
     notes = [f"{table.model}: {note}" for table in tables for note in table.notes]
     if notes:
         sections.insert(0, Section("Notes", [Notes(notes, warning=True)]))
