@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 _DEGREES = 180.0 / math.pi
 TESTS = {
-    "slowly_increasing_steer": "Slowly increasing steer",
+    "slowly_increasing_steer": "Slowly increasing steer (FMVSS 126, UN R140)",
     "step_steer": "Step steer (ISO 7401)",
     "single_sine": "Single sine (ISO 7401)",
     "swept_sine": "Swept sine (ISO 7401)",
