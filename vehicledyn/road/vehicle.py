@@ -101,8 +101,9 @@ class RoadVehicle:
         """Return the vehicle whose rack nothing drives; forces move it."""
 
         def freed(item: Joint | Turn) -> Joint | Turn:
-            is_rack = isinstance(item, Joint) and item.name == self.rack
-            return replace(item, role="independent") if is_rack else item
+            if not isinstance(item, Joint) or item.name != self.rack:
+                return item
+            return replace(item, role="independent")
 
         bodies = tuple(
             replace(body, joints=tuple(map(freed, body.joints))) for body in self.system.bodies

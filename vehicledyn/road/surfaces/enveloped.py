@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from pydantic import model_validator
 
@@ -84,7 +84,7 @@ class Enveloped(RoadSurface):
                 raise ValueError(f"{high}: {b:g} m does not lie beyond {low}, {a:g} m")
         return self
 
-    def placed(self, folder: Path) -> Self:
+    def placed(self, folder: Path) -> Enveloped:
         """Return the same road, its files looked for in a folder."""
         fields = {name: getattr(self, name) for name in type(self).model_fields}
         return type(self).model_construct(**fields | {"road": self.road.placed(folder)})
