@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 import vehicledyn.catalogue  # noqa: F401
+from vehicledyn.analyses.contact.track_view import view_track
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.parameters import read_part
 from vehicledyn.files.scenario import load_scenario
@@ -179,3 +180,12 @@ def test_a_scenario_tells_what_is_wrong_with_the_files_of_its_track(tmp_path):
     assert "track: segments.csv: there is no such file" in told()
     (tmp_path / "segments.csv").write_text(SEGMENTS)
     assert load_scenario(path).resolved["track"] == {"kind": "file", "file": "track.yaml"}
+
+
+def test_columns_of_the_printed_table_do_not_touch(tmp_path):
+    (tmp_path / "segments.csv").write_text(SEGMENTS)
+    (tmp_path / "track.yaml").write_text(OWN_FILE)
+    report = view_track(tmp_path / "track.yaml", every=7.5).as_text()
+    names, _, *rows = report.split("\n\n")[1].splitlines()
+    assert len(rows) == 40
+    assert {len(row.split()) for row in rows} == {len(names.split())}

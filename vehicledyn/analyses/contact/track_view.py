@@ -42,14 +42,14 @@ class TrackReport:
         table = self.table
         names = [n for n in table.columns if n in ("s", "x", "y") or np.any(table[n])]
         stride = max(1, math.ceil(len(table["s"]) / (4 * _ROWS)))
-        widths = [max(10, len(name) + 1) for name in names]
+        rows = [[_shown(table[n][k]) for n in names] for k in range(0, len(table["s"]), stride)]
+        columns = zip(names, *rows, strict=True)
+        widths = [max(10, 1 + max(map(len, column))) for column in columns]
         heads = ["".join(f"{n:>{w}}" for n, w in zip(names, widths, strict=True))]
         units = [f"[{table.columns[n].unit}]" for n in names]
         heads += ["".join(f"{u:>{w}}" for u, w in zip(units, widths, strict=True))]
         lines = [table.title, *table.facts, "", *heads]
-        for k in range(0, len(table["s"]), stride):
-            cells = (f"{_shown(table[n][k]):>{w}}" for n, w in zip(names, widths, strict=True))
-            lines.append("".join(cells))
+        lines += ["".join(f"{c:>{w}}" for c, w in zip(row, widths, strict=True)) for row in rows]
         lines += [f"written to {place}" for place in (self.output, self.plots) if place]
         return "\n".join(lines)
 
