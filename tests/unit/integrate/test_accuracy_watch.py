@@ -105,6 +105,30 @@ def test_the_recommended_step_is_accurate(solver):
     assert second.verdict == "accurate", second
 
 
+def set_off(decay_rate):
+    """A slip that fades at once and what it leaves, z(∞) = 1/2, beside an oscillator of 1 rad/s."""
+    t, slip, left, x, v, rate = symbols("t", "slip", "left", "x", "v", "rate")
+    return build(
+        "set_off",
+        time=t,
+        states=[(slip, 1.0), (left, 0.0), (x, 1.0), (v, 0.0)],
+        rates=[-rate * slip, rate * slip**2, v, -x],
+        parameters=[(rate, decay_rate)],
+        outputs=[("slip", slip), ("left", left), ("x", x)],
+    )
+
+
+@pytest.mark.parametrize(("decay_rate", "verdict"), [(100.0, "accurate"), (500.0, "inaccurate")])
+def test_what_a_start_sets_off_costs_a_look_at_the_start(decay_rate, verdict):
+    """Only the window at the start finds errors; all of the run was taken again for that."""
+    solver = RungeKutta4(step=0.005)
+    statistics, (_, _, outputs) = watched(set_off(decay_rate), solver, stop=20.0, interval=0.05)
+    accuracy = statistics.accuracy
+    assert (abs(2.0 * outputs[-1, 1] - 1.0) > 0.05) == (verdict == "inaccurate")
+    assert accuracy.verdict == verdict
+    assert (accuracy.extra_steps < 0.25 * statistics.steps) == (verdict == "accurate")
+
+
 def test_steps_that_follow_a_tolerance_are_not_judged():
     solver = GeneralisedAlpha(step=0.02, spectral_radius=0.5, tolerance=1e-6)
     assert watched(swinging(), solver, stop=2.0, interval=0.1)[0].accuracy is None

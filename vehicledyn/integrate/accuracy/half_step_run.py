@@ -89,6 +89,15 @@ def look_again(
     return replace(longer, extra_steps=longer.extra_steps + short.extra_steps)
 
 
+def look_at_start(watch: WatchedRun, place: WindowStart, errors: Vector) -> Moved:
+    """Return how far the first part of a run moves with half its step.
+
+    ``errors`` are those of its first window, shape (n_channels,).
+    """
+    better = _better_way(watch, ended_early=False)
+    return _part_again(watch, [place], errors[None, :], better, _PART)
+
+
 def _all_again(watch: WatchedRun, better: Way, *, ended_early: bool) -> Moved:
     """Return how far the figures of the whole run move."""
     half = taken_again(watch, watch.places[0], intervals_of(watch), better)

@@ -19,6 +19,7 @@ from vehicledyn.integrate.accuracy.half_step_run import (
     ends_without_reason,
     energy_is_off,
     look_again,
+    look_at_start,
 )
 from vehicledyn.integrate.accuracy.recommended_step import recommended_step
 from vehicledyn.integrate.accuracy.watched_run import DivergenceError, WatchedRun
@@ -41,6 +42,11 @@ _MOST_IF_CHEAP = {1: 0.003, 2: 0.01, 4: 0.005}
 second where that costs little, as motions may amplify what goes wrong in a window tenfold.
 
 Errors of order one have one sign throughout, and what amplifies them has all the run to do so.
+"""
+
+_STARTED, _FEWEST = 0.002, 3
+"""Error in the first part of a run from which on all of it is looked at, where the first of so many
+windows at least is the only one to ask for that: what a start sets off, springs and slips, fades.
 """
 
 _GROWN, _ERRING = 1e3, 0.05
@@ -85,9 +91,16 @@ class AccuracyWatch(WatchedRun):
         """Return what is to be said of the errors in windows, shape (n_windows, n_channels)."""
         spent = SPENT * len(places)
         bound, worst = bound_of(errors, self.taken * self.grid.per_interval)
-        if bound <= most_bound(self.kernel, self.grid) and not energy_is_off(self):
+        most = most_bound(self.kernel, self.grid)
+        is_off = energy_is_off(self)
+        if bound <= most and not is_off:
             name = f"'{self.names[worst]}'" if self.names else ""
             return Accuracy("accurate", bound, name, None, spent)
+        if not (is_off or ended_early) and self._starts_only(places, errors, most):
+            begun = look_at_start(self, places[0], errors[0])
+            spent += begun.extra_steps
+            if begun.error <= _STARTED:
+                return Accuracy("accurate", begun.error, begun.worst, None, spent)
         moved = look_again(self, places, errors, ended_early=ended_early)
         spent += moved.extra_steps
         if moved.error <= MOVED:
@@ -103,6 +116,12 @@ class AccuracyWatch(WatchedRun):
             advice.finest,
             "" if advice.step is not None else moved.failure,
         )
+
+    def _starts_only(self, places: list[WindowStart], errors: Vector, most: float) -> bool:
+        """Return whether no window but that at the start asks for a second look."""
+        if len(places) < _FEWEST or places[0] is not self.places[0]:
+            return False
+        return bound_of(errors[1:], self.taken * self.grid.per_interval)[0] <= most
 
     def _diverged(self, errors: Vector) -> bool:
         """Return whether a channel grew out of all proportion, by errors of the last window."""
