@@ -9,6 +9,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from vehicledyn.analyses.handling.cornering_modes import CorneringModes
+from vehicledyn.analyses.handling.response_sheets import (
+    ANSWERS,
+    measured_responses,
+    response_sheet,
+)
 from vehicledyn.analyses.handling.steady_turn import SteadyTurn, Turn
 from vehicledyn.analyses.handling.test_run import DrivenTest, drive, figures_of, sheet_of
 from vehicledyn.analyses.handling.tested_car import CarPoint
@@ -30,7 +35,6 @@ from vehicledyn.road.manoeuvres.kinds.swept_sine import SweptSine
 from vehicledyn.road.manoeuvres.kinds.weave import Weave
 from vehicledyn.road.manoeuvres.sine_dwell_test import SineDwellTest
 from vehicledyn.road.manoeuvres.speed_control import SpeedControl
-from vehicledyn.road.standards.frequency_response import transient_response
 from vehicledyn.road.standards.steering_shares import angle_at_third_g
 
 _TOWN, _MOTORWAY = 80.0 / 3.6, 100.0 / 3.6
@@ -104,15 +108,14 @@ class StandardTests:
         }
         frequencies, point = np.array(FREQUENCIES), self.straight_at(_TOWN)
         linear = CorneringModes(self.solver).about(point, held_speed=True)
-        exact = linear.response("body.yaw_rate", frequencies)
+        exact = {n: linear.response(w[-1], frequencies) for n, w in ANSWERS.items()}
+        self.sheets["linear_response"] = response_sheet(frequencies, exact)
         unit, text = "1", "Largest deviation of the yaw response from the linearised one"
         for name, (test, duration) in tests.items():
             signals = self._run(name, test, _TOWN, duration).signals
-            offset = signals.yaw_rate[0]
-            found = transient_response(
-                signals.time, signals.steering, signals.yaw_rate - offset, frequencies=frequencies
-            )
-            worst = float(np.abs(found.response / exact - 1.0).max())
+            found = measured_responses(signals, frequencies)
+            self.sheets[f"{name}_response"] = response_sheet(frequencies, found)
+            worst = float(np.abs(found["yaw_rate"] / exact["yaw_rate"] - 1.0).max())
             self.figures.append(KeyFigure(name, "from_linear", worst, unit, text))
 
     def weave(self) -> None:

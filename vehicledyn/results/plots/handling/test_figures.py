@@ -52,6 +52,8 @@ def handling_figures(tables: Sequence[HandlingTable]) -> Iterator[tuple[str, Fig
             yield name, _test(tables, name, title)
     if any("weave" in table.sheets for table in tables):
         yield "weave_loops", _loops(tables)
+    if any("linear_response" in table.sheets for table in tables):
+        yield "frequency_responses", _responses(tables)
 
 
 def _test(tables: Sequence[HandlingTable], name: str, title: str) -> Figure:
@@ -85,4 +87,35 @@ def _loops(tables: Sequence[HandlingTable]) -> Figure:
                 axes.plot(across, sheet[signal].values[later] * scale, style, color=colour)
         axes.set_xlabel(axis_label("Steering-wheel angle", "deg"))
         axes.set_ylabel(axis_label(label, unit))
+    return figure
+
+
+_RESPONSES = {"linear_response": "linearised", "swept_sine_response": "swept sine",
+              "pulse_steer_response": "pulse"}  # fmt: skip
+_SHOWN = (
+    ("yaw_rate_gain", "Gain", "1/s", 1.0),
+    ("lateral_acceleration_gain", "Gain", "m/s^2/rad", 1.0),
+    ("yaw_rate_phase", "Phase", "deg", _DEGREES),
+    ("lateral_acceleration_phase", "Phase", "deg", _DEGREES),
+)
+
+
+def _responses(tables: Sequence[HandlingTable]) -> Figure:
+    figure = new_figure(tables, "Transfer functions from the steering wheel (ISO 7401)", 0.62)
+    for axes, (name, label, unit, scale) in zip(
+        figure.subplots(2, 2, sharex=True).flat, _SHOWN, strict=True
+    ):
+        for table, style in zip(tables, LINE_STYLES, strict=False):
+            for (kind, words), colour in zip(_RESPONSES.items(), PALETTE, strict=False):
+                if kind in table.sheets:
+                    sheet = table.sheets[kind]
+                    text = words if table is tables[0] else None
+                    across, values = sheet["frequency"].values, sheet[name].values * scale
+                    axes.plot(across, values, style, color=colour, label=text)
+        axes.set_ylabel(axis_label(label, unit))
+    for axes in figure.axes[2:]:
+        axes.set_xlabel(axis_label("Frequency", "Hz"))
+    for axes, title in zip(figure.axes, ("Yaw rate", "Lateral acceleration"), strict=False):
+        axes.set_title(title, fontsize=9.0)
+    figure.axes[0].legend(loc="lower left")
     return figure
