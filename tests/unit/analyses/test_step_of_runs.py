@@ -37,10 +37,14 @@ def test_a_diverged_run_fails_and_keeps_what_is_finite(tmp_path, backend):
 
 
 @pytest.mark.usefixtures("needs_compiler")  # interpreted runs name a channel, not the figure
-@pytest.mark.parametrize(("step", "error"), [("10 ms", 10.0), ("5 ms", 0.1)])
+@pytest.mark.parametrize(("step", "error"), [("10 ms", 3.0), ("5 ms", 0.1)])
 def test_a_coarse_slalom_is_warned_of_with_the_step_to_take(tmp_path, step, error):
-    """The side-slip angle is off by 73 times at 10 ms and by 13 % at 5 ms."""
-    outcome = run(SLALOM, tmp_path / "a.h5", f"solver.step={step}")
+    """The side-slip angle is off by six times at 10 ms and by 13 % at 5 ms.
+
+    Some processors end a longer run at 10 ms early, as its motion becomes a wild one.
+    """
+    brief = "duration=10 s"
+    outcome = run(SLALOM, tmp_path / "a.h5", f"solver.step={step}", brief)
     assert outcome.status == "ok"
     (told,) = [text for text in outcome.messages if text.startswith("warning: the step is too")]
     assert "largest_sideslip_angle" in told
@@ -49,7 +53,7 @@ def test_a_coarse_slalom_is_warned_of_with_the_step_to_take(tmp_path, step, erro
         assert told in result.notes
     assert facts["accuracy"] == "inaccurate"
     assert facts["estimated_error"] > error
-    again = run(SLALOM, tmp_path / "b.h5", f"solver.step={facts['recommended_step']} s")
+    again = run(SLALOM, tmp_path / "b.h5", f"solver.step={facts['recommended_step']} s", brief)
     assert not [text for text in again.messages if text.startswith("warning:")]
     angle = again.summary["largest_sideslip_angle"].value
     assert angle == pytest.approx(0.01550, rel=2e-2)
