@@ -1,12 +1,10 @@
 """Every listing of the pages on identification and uncertainty works."""
 
-import os
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+from programs import run
 
 pytestmark = pytest.mark.long
 
@@ -22,20 +20,13 @@ BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
     ],
 )
 def test_the_page(page, said, tmp_path):
-    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     printed = ""
     for kind, body in BLOCK.findall((DOCS / f"{page}.md").read_text(encoding="utf-8")):
         if kind == "yaml":
             (tmp_path / re.match(r"# (\S+)\n", body)[1]).write_text(body, encoding="utf-8")
             continue
-        (tmp_path / "listing.py").write_text(body, encoding="utf-8")
-        command = ["sh", "-ec", body if kind == "sh" else "python listing.py"]
-        done = subprocess.run(
-            command, cwd=tmp_path, env=os.environ | {"PATH": path}, check=False,
-            capture_output=True, text=True, timeout=300,
-        )  # fmt: skip
-        assert done.returncode == 0, f"{body}\n{done.stdout}\n{done.stderr}"
-        printed += done.stdout
+        commands = body.splitlines() if kind == "sh" else [["python", "-c", body]]
+        printed += "".join(run(command, tmp_path) for command in commands)
     for words in said:
         assert re.search(words, printed), f"{words} not in {printed}"
     assert list((tmp_path / "figures").glob("*.png"))
