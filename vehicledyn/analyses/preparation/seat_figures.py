@@ -31,7 +31,8 @@ def seat_figures(system: System, recording: Recording) -> list[SummaryEntry]:
     from vehicledyn.results.store.layout import SummaryEntry
 
     columns = {name: recording.column(name) for name in seat_channels(system)}
-    entries, remarks = [], []
+    entries: list[SummaryEntry] = []
+    remarks: list[str] = []
     if _duration(recording) < _SHORTEST:
         remarks.append(f"vibration at seats is left out: the run is shorter than {_SHORTEST:g} s")
     else:

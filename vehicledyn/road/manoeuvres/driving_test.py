@@ -200,8 +200,10 @@ class DrivingTest(RoadManoeuvre):
         from vehicledyn.road.standards.conditions import speed_remarks, start_remarks
 
         at = self.input_at()
-        start = [] if at is None else [*start_remarks(signals, at)]
-        return [*start, *(speed_remarks(signals) if self.holds_speed() else ())]
+        found = [] if at is None else list(start_remarks(signals, at))
+        if self.holds_speed():
+            found.extend(speed_remarks(signals))
+        return found
 
     def channels(self, vehicle: RoadVehicle) -> list[str]:
         """Return the channels of the test's quantities and of the general key figures."""
@@ -223,9 +225,10 @@ class DrivingTest(RoadManoeuvre):
         signals = Signals.of(recording.time[:], recording.channels, vehicle.chassis)
         entries = [*self.quantities(signals, recording, vehicle), *general]
         remarks = "; ".join(self.conditions(signals))
-        words = "Departures from the conditions of ISO 15037-1"
-        told = entry("test_conditions", remarks, "", words) if remarks else ()
-        return [*entries, *told]
+        if remarks:
+            words = "Departures from the conditions of ISO 15037-1"
+            entries.extend(entry("test_conditions", remarks, "", words))
+        return entries
 
     def quantities(
         self, signals: Signals, recording: Recording, vehicle: RoadVehicle
