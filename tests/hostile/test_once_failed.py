@@ -635,7 +635,7 @@ def test_gaps_between_samples_are_not_filled_without_end():
     time = np.append(0.005 * np.arange(20.0), 1e9)
     with pytest.raises(InputError, match="leave gaps beside steps of"):
         even_samples(time, {})
-    with pytest.raises(InputError, match="is too long to assess"):
+    with pytest.raises(InputError, match="are too long to assess"):
         sliding_mean(signal_of(np.array([0.0, 1e300])), signal_of(np.zeros(2)), window=2.0, every=1)
 
 

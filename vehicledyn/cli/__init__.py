@@ -70,5 +70,7 @@ def _run() -> NoReturn:
 
 
 def _leave(text: str, code: int) -> NoReturn:
-    sys.stderr.write(f"{text}\n")
+    from vehicledyn.cli.terminal import tell
+
+    tell(text)
     sys.exit(code)

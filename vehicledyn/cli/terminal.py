@@ -19,6 +19,8 @@ from vehicledyn.base.report import Report
 from vehicledyn.cli.progress_bar import Progress
 
 _PIPE_CLOSED = 141
+_CONTROLS = {n: f"\\u{n:04x}" for n in (*range(32), *range(127, 160)) if n not in (9, 10)}
+"""Signs that would steer a terminal, such as those of colours and titles, as escapes."""
 _quiet: ContextVar[bool] = ContextVar("quiet", default=False)
 
 
@@ -31,7 +33,8 @@ def emit(text: str) -> None:
         If standard output cannot be written for another reason, such as a full disk.
     """
     try:
-        sys.stdout.write(text if text.endswith("\n") else f"{text}\n")
+        shown = text.translate(_CONTROLS)
+        sys.stdout.write(shown if shown.endswith("\n") else f"{shown}\n")
         sys.stdout.flush()
     except BrokenPipeError:
         _give_up_stdout()
@@ -77,7 +80,7 @@ def is_quiet() -> bool:
 
 def tell(text: str) -> None:
     """Write a message to standard error."""
-    sys.stderr.write(f"{text}\n")
+    sys.stderr.write(f"{text.translate(_CONTROLS)}\n")
     sys.stderr.flush()
 
 

@@ -18,7 +18,7 @@ from vehicledyn.base.errors import InputError, MissingPartError, NumericalError,
 from vehicledyn.cli import main
 from vehicledyn.cli.foreign_warnings import told_in_words
 from vehicledyn.cli.progress_bar import Progress
-from vehicledyn.cli.terminal import show_progress, to_json
+from vehicledyn.cli.terminal import emit, show_progress, to_json
 
 
 @pytest.fixture
@@ -174,6 +174,13 @@ def test_what_libraries_warn_of_is_one_sentence(capsys, code, words):
     told = capsys.readouterr().err
     assert told.startswith(words)
     assert len(told.splitlines()) == bool(words)
+
+
+def test_no_text_of_a_file_steers_the_terminal(call, write, pipeline, capsys):
+    pipeline.asked["raise"] = InputError("\x1b]0;owned\x07 \x9b31m name")
+    assert call("run", write()) == (2, "", "\\u001b]0;owned\\u0007 \\u009b31m name\n")
+    emit(to_json({"a": "\x9b"}))
+    assert json.loads(capsys.readouterr().out) == {"a": "\x9b"}
 
 
 def test_interrupt_exits_with_130(call, write, pipeline):

@@ -44,7 +44,7 @@ def sliding_mean(distance: Signal, values: Signal, *, window: float, every: floa
     begin = distance.at(0)
     room = distance.at(-1) - begin - window
     if not room <= _LONGEST:
-        raise InputError(f"a way of {room + window:.3g} m is too long to assess")
+        raise InputError(f"{room + window:.3g} m (or s) are too long to assess")
     count = int(np.floor(room / every + 1e-9)) + 1 if room >= 0.0 else 0
     ahead = round(window / every)
     grid = even_places(begin, every, count + ahead if count else 0)

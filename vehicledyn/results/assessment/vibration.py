@@ -112,7 +112,7 @@ def _axis(channel: str, weighting: Weighting, samples: Samples) -> AxisVibration
 def _transient(weighted: Signal, step: float) -> float:
     """Return the largest root mean square over a window of 1 s; NaN in a shorter signal."""
     every = WINDOW / max(round(WINDOW / step), 1)
-    time = Signal(weighted.count, lambda a, b: step * np.arange(a, b))
+    time = Signal(weighted.count, lambda a, b: np.asarray(step * np.arange(a, b)))
     squares = combined(lambda values: values**2, weighted)
     means = sliding_mean(time, squares, window=WINDOW, every=every).mean
     return math.sqrt(max(means.highest()[1], 0.0)) if means.count else math.nan

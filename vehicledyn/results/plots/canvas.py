@@ -75,8 +75,8 @@ def _figure_class() -> Any:
 
         def fill_between(self, x: Any, y1: Any, y2: Any = 0, *args: Any, **options: Any) -> Any:
             """Fill where both edges can be drawn."""
-            edges = [drawable(each) for each in (x, y1, y2)]
-            return super().fill_between(*edges, *args, **options)
+            across, one, two = (drawable(each) for each in (x, y1, y2))
+            return super().fill_between(across, one, two, *args, **options)
 
         def text(self, x: Any, y: Any, s: Any, *args: Any, **options: Any) -> Any:
             """Write a text, none where its place cannot be drawn."""
