@@ -15,8 +15,10 @@ from vehicledyn.integrate.estimated_accuracy import ENERGY
 from vehicledyn.integrate.judged_quantities import EnergyBalance, Sizes, figure_errors
 from vehicledyn.kernel.engine import Method, Vector
 
-_PART, _LONG_PART, _LEAST = 0.006, 0.1, 200
-"""Parts of an expensive run that are taken again, and the fewest steps of such a part."""
+_PART, _LONG_PART, _LEAST, _LEAST_AT_START = 0.006, 0.1, 200, 100
+"""Parts of an expensive run that are taken again, and the fewest steps of such a part and of one
+that begins with the run.
+"""
 
 _DOUBT, _DEAR = 0.005, 20.0
 """Error in the short part from which a longer one is taken, all of a run that costs no more than
@@ -95,7 +97,7 @@ def look_at_start(watch: WatchedRun, place: WindowStart, errors: Vector) -> Move
     ``errors`` are those of its first window, shape (n_channels,).
     """
     better = _better_way(watch, ended_early=False)
-    return _part_again(watch, [place], errors[None, :], better, _PART)
+    return _part_again(watch, [place], errors[None, :], better, _PART, least=_LEAST_AT_START)
 
 
 def _all_again(watch: WatchedRun, better: Way, *, ended_early: bool) -> Moved:
@@ -109,11 +111,17 @@ def _all_again(watch: WatchedRun, better: Way, *, ended_early: bool) -> Moved:
 
 
 def _part_again(
-    watch: WatchedRun, places: list[WindowStart], errors: Vector, better: Way, share: float
+    watch: WatchedRun,
+    places: list[WindowStart],
+    errors: Vector,
+    better: Way,
+    share: float,
+    *,
+    least: int = _LEAST,
 ) -> Moved:
     """Return how far the channels move in a part of the run, where windows differ most."""
     taken, grid = intervals_of(watch), watch.grid
-    count = min(taken, max(int(share * taken), -(-_LEAST // grid.per_interval)))
+    count = min(taken, max(int(share * taken), -(-least // grid.per_interval)))
     largest = np.where([place.index <= taken - count for place in places], errors.max(axis=1), -1.0)
     place = places[int(np.argmax(largest))]
     own = _known_part(watch, place, count)
