@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from vehicledyn.base.errors import InputError
 from vehicledyn.results.labelled.array import LabelledArray
 from vehicledyn.results.labelled.source import Head, Source
 from vehicledyn.results.store import reader, study_layout
@@ -57,6 +59,10 @@ class RunSource:
             self._axis = "time" if result.is_timed else "sample"
             self._time = _axis(self._axis, result.time)
             self.names: Sequence[str] = dict.fromkeys((self._axis, *result.channels))  # type: ignore[assignment]
+            self._notes: tuple[str, ...] | None = None
+            if result.status != "running":
+                with contextlib.suppress(InputError):  # damaged ones are told when asked for
+                    self._notes = result.notes
 
     def read(self, names: Sequence[str]) -> list[LabelledArray]:
         """Return the time or channels."""
@@ -91,6 +97,8 @@ class RunSource:
 
     def notes(self) -> tuple[str, ...]:
         """Return what the run noted."""
+        if self._notes is not None:
+            return self._notes
         with reader.open_result(self._path) as result:
             return result.notes
 

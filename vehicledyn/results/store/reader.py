@@ -115,7 +115,7 @@ class Result(contextlib.AbstractContextManager["Result"]):
             self.status_message = str(file.attrs["status_message"])
             self.channels = tuple(str(name) for name in file.attrs["channels"])
             self.samples = int(file["time"].shape[0])
-            refuse_promises(path, file, self.channels)
+            lengths = refuse_promises(path, file, self.channels)
             require_groups(file, (*_BESIDE, GROUP))
             for group in _BESIDE & set(file):
                 require_stored(file[group])
@@ -124,7 +124,7 @@ class Result(contextlib.AbstractContextManager["Result"]):
             self.block = self._thinning.block
             self.time = self._thinning.times(file["time"])
             self.is_timed = str(file["time"].attrs.get("units", "s")) == "s"
-            check_lengths(path, file, self.channels, closed=closed)
+            check_lengths(path, lengths, closed=closed)
             check_times(path, portions(file["time"], self.samples), closed=closed)
         if self.status not in STATUSES:
             raise InputError(f"{path}: status '{self.status}' is unknown; the file is damaged")

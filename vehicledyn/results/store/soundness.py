@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 import h5py
@@ -26,11 +26,10 @@ def check_format(path: Path, file: h5py.File) -> None:
         )
 
 
-def check_lengths(path: Path, file: h5py.File, names: Sequence[str], *, closed: bool) -> None:
+def check_lengths(path: Path, lengths: Mapping[str, int], *, closed: bool) -> None:
     """Refuse channels that are shorter than the time, or longer though the file is closed."""
-    samples = int(file["time"].shape[0])
-    for name in names:
-        length = file[dataset_path(name)].shape[0]
+    samples = lengths["time"]
+    for name, length in lengths.items():
         if length < samples or (closed and length != samples):
             raise InputError(
                 f"{path}: is damaged: {length} samples of {name}, but {samples} of time; "
@@ -54,8 +53,15 @@ def check_times(path: Path, blocks: Iterable[NDArray[np.float64]], *, closed: bo
         start, last = start + len(time), float(time[-1])
 
 
-def refuse_promises(path: Path, file: h5py.File, names: Sequence[str]) -> None:
-    """Refuse what are no columns, or say to hold far more than they do, before reading."""
+def refuse_promises(path: Path, file: h5py.File, names: Sequence[str]) -> dict[str, int]:
+    """Refuse what are no columns, or say to hold far more than they do, before reading.
+
+    Returns
+    -------
+    dict
+        Length of the time and of each channel.
+    """
+    lengths = {}
     for name in ("time", *names):
         column = file[dataset_path(name)]
         if len(column.shape) != 1 or column.dtype.kind not in "fiu":
@@ -65,3 +71,5 @@ def refuse_promises(path: Path, file: h5py.File, names: Sequence[str]) -> None:
                 f"{path}: is damaged: says to hold {column.shape[0]} samples, but they are not in "
                 "the file; run it again"
             )
+        lengths[name] = int(column.shape[0])
+    return lengths
