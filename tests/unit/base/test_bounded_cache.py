@@ -20,6 +20,7 @@ BOUNDED_BY_THEIR_KEYS = {
     "library/names.py:entries": "kinds of files",
     "library/names.py:library_folder": "nothing",
     "rail/profiles/profile_names.py:_standard_file": "standard profiles",
+    "results/plots/canvas.py:_figure_class": "nothing",
     "road/tyre_files/names.py:coefficients": "nothing",
     "studies/block.py:program_fingerprint": "nothing",
     "symbolic/rotations.py:_unit": "axes",

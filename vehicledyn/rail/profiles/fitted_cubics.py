@@ -39,7 +39,9 @@ def fit_cubics(places: Floats, values: Floats) -> tuple[Floats, Floats]:
     x, rest = np.ascontiguousarray(places.T), np.ascontiguousarray(values.transpose(2, 1, 0))
     square = x * x
     columns = [np.ones_like(x), x, square, square * x]
-    lengths, above, found = [], {}, []
+    lengths: list[Floats] = []
+    above: dict[tuple[int, int], Floats] = {}
+    found: list[Floats] = []
     for k in range(4):
         length = np.sqrt((columns[k] * columns[k]).sum(axis=0))
         independent = length > _DEPENDENT
