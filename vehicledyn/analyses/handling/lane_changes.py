@@ -26,8 +26,8 @@ SPEEDS = {
 
 _LARGEST_WHEEL_ANGLE = 0.6
 _BEGIN = 20.0
-_PREVIEW_TIME, _SHORT_PREVIEW = 0.8, 0.5
-"""Preview times, the shorter one where lanes follow each other quickly [s]."""
+_PREVIEW_TIME, _LONG_PREVIEW, _SHORT_PREVIEW = 0.8, 0.7, 0.5
+"""Preview times on the straight, in the double lane change and in the quicker one [s]."""
 _GENTLE = 0.5
 """Lateral acceleration of the turn that shows the stiffness [m/s²]."""
 
@@ -46,7 +46,7 @@ def run_lane_changes(tests: StandardTests, *, backend: Backend) -> None:
     front = max(corner[0] for corner in car.vehicle.outline)
 
     def double(speed: float) -> LaneChangeTest:
-        driver = driver_of(tests, speed)
+        driver = driver_of(tests, speed, _LONG_PREVIEW)
         return DoubleLaneChange(speed_control=car.control, driver=driver, begin=_BEGIN)
 
     def avoidance(speed: float) -> LaneChangeTest:
