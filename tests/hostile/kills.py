@@ -21,6 +21,8 @@ from table_cases import LAYOUT, MOTION
 LOST = 1.0  # s
 SAME = (".c", ".h", ".csv", ".json", ".dxf", ".yaml")
 """Files that are the same whenever they are written."""
+KEPT = (".checkpoint", ".runs.jsonl", ".iterate.npz")
+"""Endings of what a computation goes on from, behind the name of its result."""
 SLOW = 2.5  # how much slower a busy machine may be
 
 
@@ -180,7 +182,7 @@ class Campaign:
         path = folder / victim.output
         before = {p.name for p in self._folder.iterdir() if p.is_file()}
         others = {p.name for p in folder.iterdir() if not p.name.startswith(".")} - before
-        extra = {victim.output + end for end in ("", ".checkpoint", ".runs.jsonl")}
+        extra = {victim.output + end for end in ("", *KEPT)}
         extra |= set(victim.beside)
         if others - extra:
             yield f"leaves {sorted(others - extra)}"
@@ -233,8 +235,7 @@ class Campaign:
 
     def _gone_on(self, victim, folder):
         path = folder / victim.output
-        kept = folder / f"{victim.output}.runs.jsonl"
-        if not path.exists() and not kept.exists():
+        if not path.exists() and not any(Path(f"{path}{end}").exists() for end in KEPT):
             return
         from vehicledyn.results.store.reader import open_result
 

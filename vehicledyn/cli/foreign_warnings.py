@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import re
 import warnings
 from collections.abc import Iterator
@@ -32,6 +33,7 @@ def told_in_words() -> Iterator[None]:
         elif not (issubclass(category, UserWarning) and _draws(filename)):
             found.setdefault(_sentence(str(message), filename))
 
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)  # of looks, too
     with warnings.catch_warnings():
         warnings.showwarning = take
         try:
