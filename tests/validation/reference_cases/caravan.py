@@ -25,18 +25,22 @@ def sway(modes, case):
     return slow[np.argmax(slow.real)]
 
 
-def driven(speed, **changes):
-    """Return damping ratio and frequency after a pulse [Hz]."""
+def driven(speeds, **changes):
+    """Return pairs of damping ratio and frequency after a pulse [Hz], at each of the speeds."""
     named = {name.replace("__", "."): value for name, value in changes.items()}
-    run = vd.simulate(SCENARIO, set={"speed": f"{speed} m/s", "duration": "8 s", **named})
-    return tuple(run.summary[f"sway_{name}"].value for name in ("damping_ratio", "frequency"))
+    runs = vd.sweep(
+        SCENARIO, vary={"speed": [f"{speed} m/s" for speed in speeds]},
+        set={"duration": "8 s", **named}, channels=[], workers=1, lanes=1,
+    )  # fmt: skip
+    names = ("sway_damping_ratio", "sway_frequency")
+    return list(zip(*(runs[name].values.tolist() for name in names), strict=True))
 
 
 def rows():
     """Yield damping, frequency and critical speed; a pulse of 1 degree keeps the tyres linear."""
     modes = vd.modes(str(ROOT / "systems" / "car_and_caravan.yaml"), speed=SPEEDS)
     eigenvalues = [sway(modes, case) for case in range(2)]
-    runs = [driven(speed, manoeuvre__amplitude="1 deg") for speed in SPEEDS]
+    runs = driven(SPEEDS, manoeuvre__amplitude="1 deg")
     by_eig = [-value.real / abs(value) for value in eigenvalues]
     source = "eigenvalues of the same system"
     for speed, value, damping, run in zip(SPEEDS, eigenvalues, by_eig, runs, strict=True):
