@@ -63,8 +63,11 @@ def basis(degree: int) -> Basis:
 
 def _lagrange(nodes: Vector, places: Vector) -> Vector:
     """Return the values of the Lagrange polynomials, shape (n_places, n_nodes)."""
-    matrix = np.ones((len(places), len(nodes)))
-    for i, node in enumerate(nodes):
-        for other in np.delete(nodes, i):
-            matrix[:, i] *= (places - other) / (node - other)
-    return matrix
+    count = len(nodes)
+    values = np.ones((count, len(places)))
+    for k in range(count - 1):
+        others = nodes[k + (k >= np.arange(count))]  # the k-th node other than each
+        factor = places - others[:, None]
+        factor /= (nodes - others)[:, None]
+        values *= factor
+    return np.ascontiguousarray(values.T)

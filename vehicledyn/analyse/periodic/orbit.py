@@ -76,8 +76,10 @@ class Orbit:
         j = np.clip(np.searchsorted(self.mesh, places, side="right") - 1, 0, self.intervals - 1)
         part = (places - self.mesh[j]) / self.widths[j]
         m = self.basis.degree
-        unknowns = self.unknowns.reshape(self.intervals, m, -1)
         states = np.einsum("qi,qis->qs", self.basis.values_at(part), self.pieces()[j])
+        if not self.unknowns.size:
+            return states, np.zeros((len(places), 0))
+        unknowns = self.unknowns.reshape(self.intervals, m, -1)
         others = np.einsum("qk,qkz->qz", self.basis.gauss_values_at(part), unknowns[j])
         return states, others
 
