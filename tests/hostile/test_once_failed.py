@@ -663,7 +663,7 @@ def far_away(file):
 
 def test_forces_of_more_samples_than_memory_holds():
     command = ["inverse", "scenarios/systems/slider_crank.yaml", "-o", "out.h5"]
-    command += ["--set", "duration=1 s", "--set", "output.interval=20 ns"]
+    command += ["--set", "duration=1 s", "--set", "output.interval=2e-8 s"]
     files = yaml_cases.around({"motion.csv": table_cases.MOTION.encode()})
     case = Case("inverse", files, [*command, "--motion", "motion.csv"])
     refused(case, "gives 50000001 samples, and forces of at most")
