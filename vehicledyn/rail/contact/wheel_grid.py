@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -196,7 +197,7 @@ def _borders(wheel: Wheel, rail: Rail, rolled: _Rolled, attack: float) -> tuple[
     steps = np.arange(_YAW_STEP, largest + 1e-9, _YAW_STEP)
     own = identity_of(wheel, rail)
     for yaw in np.union1d(steps, [largest] if largest > 0.0 else []).tolist():
-        barriers += _YAWED.get((own, yaw), lambda yaw=yaw: _barriers_at(wheel, rail, yaw))
+        barriers += _YAWED.get((own, yaw), partial(_barriers_at, wheel, rail, yaw))
     return _gathered(barriers)
 
 
