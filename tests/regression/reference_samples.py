@@ -16,6 +16,11 @@ OWN_INTERVAL = ("four_bar_chain",)
 
 Of these the reference holds the beginning, sample by sample.
 """
+WITHOUT_ENERGY = ("coach_flexible_body",)
+"""Scenarios whose energy is that of the travel: of 47 MJ hardly anything changes.
+
+What a micrometre a second adds to it is as large as the tolerance of the comparison.
+"""
 
 
 def overrides(path: Path) -> list[str]:
@@ -34,7 +39,8 @@ def overrides(path: Path) -> list[str]:
     system = build_subject(loaded).system
     names = [joint.name for joint in system.joints() if joint.role != "driven"]
     stride = -(-len(names) // MOST_COORDINATES)
-    channels = [*names[::stride], "energy.*"]
+    energies = [] if path.stem in WITHOUT_ENERGY else ["energy.*"]
+    channels = [*names[::stride], *energies]
     chosen = f"output.channels=[{', '.join(channels)}]"
     if path.stem in OWN_INTERVAL:
         return [f"duration={2 * MOST_SAMPLES * s.output.interval:.12g} s", chosen]

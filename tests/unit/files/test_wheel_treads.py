@@ -49,3 +49,13 @@ def test_a_tread_is_round_or_flat(tmp_path):
     text = SYSTEM.replace("width: 0.2 m", "width: 0.2 m\n    crown: 0.1 m")
     with pytest.raises(InputError, match="a tread is round by its crown or flat"):
         equations(tmp_path, text)
+
+
+@pytest.mark.parametrize("shape", ["width: 0.2 m", "crown: 0.1 m"])
+def test_a_load_moves_across_the_tread_once(tmp_path, shape):
+    """By the tread's shape or by the file's overturning moment."""
+    head, _, rest = SYSTEM.replace("width: 0.2 m", shape).partition("    tyre:")
+    text = f"{head}    tyre: {{file: passenger_R0394_mf61.tir}}\n{rest[rest.index('road:') :]}"
+    with pytest.raises(InputError, match=f"leave the {shape[:5]} out"):
+        equations(tmp_path, text)
+    equations(tmp_path, text.replace("mf61.tir}", "mf61.tir, scaling: {LMX: 0}}"))

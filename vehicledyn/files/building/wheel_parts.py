@@ -97,7 +97,9 @@ def _need_road(
     problems = []
     if surface is None:
         problems.append("road: missing: the system has wheels, give it a road")
-    problems += [p for name, wheel in wheels.items() for p in _tread_problems(values, name, wheel)]
+    for name, wheel in wheels.items():
+        problems += _tread_problems(values, name, wheel)
+        problems += _moment_problems(values, name, wheel, chosen[wheel.axle])
     problems += [
         f"wheels.{name}.tyre: missing: give the wheel a tyre, or the scenario 'tyres'"
         for name, wheel in wheels.items()
@@ -120,3 +122,19 @@ def _tread_problems(values: Values, name: str, wheel: WheelSet) -> Iterator[str]
             )
     if wheel.crown is not None and values.number(wheel.crown) > values.number(wheel.radius):
         yield f"wheels.{name}.crown: a tread's radius across the wheel is at most the wheel's"
+
+
+def _moment_problems(
+    values: Values, name: str, wheel: WheelSet, chosen: ParameterSet | None
+) -> Iterator[str]:
+    """Yield whether the moment of a load that moves across the tread would count twice."""
+    shape = next((f for f in ("crown", "width") if getattr(wheel, f) is not None), None)
+    tyre = chosen
+    if tyre is None and isinstance(wheel.tyre, Tyre):
+        tyre = wheel.tyre.placed(values.model.path.parent)
+    if shape is not None and isinstance(tyre, Tyre) and tyre.has_overturning_moment:
+        yield (
+            f"wheels.{name}.{shape}: the tyre has an overturning moment of its own, that of a load "
+            f"that moves across the tread; leave the {shape} out, or give the tyre "
+            "'scaling: {LMX: 0}'"
+        )

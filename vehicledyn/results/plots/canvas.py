@@ -118,8 +118,8 @@ def _drawable_or_same(values: Any) -> Any:
 def _limit(put: Any, get: Any, args: tuple[Any, ...], options: dict[str, Any]) -> Any:
     """Set limits whose numbers are cut to what is drawn; leave the old ones where they are none."""
     ends = args[0] if len(args) == 1 and np.ndim(args[0]) else args
-    numbers = np.array([end for end in ends if end is not None], dtype=float)
+    cut = [None if end is None else float(np.clip(end, -LARGEST, LARGEST)) for end in ends]
+    numbers = np.array([end for end in cut if end is not None])
     if np.isnan(numbers).any() or (numbers.size > 1 and numbers[0] == numbers[1]):
         return get()
-    return put(*(end if end is None else float(np.clip(end, -LARGEST, LARGEST)) for end in ends),
-               **options)  # fmt: skip
+    return put(*cut, **options)

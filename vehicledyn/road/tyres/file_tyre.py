@@ -114,6 +114,11 @@ class FileTyre(Tyre):
         return p.LONGITUDINAL_STIFFNESS, p.LATERAL_STIFFNESS
 
     @property
+    def has_overturning_moment(self) -> bool:
+        """Whether the file has one that is not scaled to nothing."""
+        return self.coefficients().LMX != 0.0 and super().has_overturning_moment
+
+    @property
     def feels_turn_slip(self) -> bool:
         """Whether turn slip acts.
 

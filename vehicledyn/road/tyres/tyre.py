@@ -100,6 +100,13 @@ class Tyre(ParameterSet):
         return ops.depends_on(ops.scalar(force), slip)
 
     @property
+    def has_overturning_moment(self) -> bool:
+        """Whether side slip or camber turns the wheel about its heading by the law itself."""
+        load, angle, camber = (ops.symbol(name) for name in ("normal_force", "angle", "camber"))
+        moment = self.forces(TyreInput(load, 0.0, angle, camber, 1.0)).overturning_moment
+        return not ops.is_structurally_zero(moment)
+
+    @property
     def feels_turn_slip(self) -> bool:
         """Whether forces depend on the turn slip of the wheel."""
         return False

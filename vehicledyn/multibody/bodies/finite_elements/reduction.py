@@ -27,6 +27,7 @@ from vehicledyn.multibody.bodies.finite_elements.interfaces import (
     Nodes,
     joined,
 )
+from vehicledyn.multibody.bodies.finite_elements.mode_signs import mode_signs
 from vehicledyn.multibody.bodies.finite_elements.model import (
     FiniteElements,
     Sparse,
@@ -141,6 +142,8 @@ def component_modes(
     rigid = model.rigid[:, :3]
     total = float(np.trace(rigid.T @ (model.mass @ rigid)) / 3.0)
     amplitudes = basis @ vectors[:, chosen] * np.sqrt(total)
+    signs = mode_signs(np.asarray(whole.join @ amplitudes))
+    amplitudes = amplitudes * signs
     shapes = np.asarray(whole.join @ amplitudes)
     damping = np.zeros((shapes.shape[1],) * 2)
     if model.damping is not None:

@@ -21,6 +21,7 @@ from vehicledyn.multibody.bodies.finite_elements.integrals import (
     at_rest,
     beyond,
 )
+from vehicledyn.multibody.bodies.finite_elements.mode_signs import mode_signs
 from vehicledyn.multibody.bodies.finite_elements.reduced_modes import ReducedModes
 from vehicledyn.multibody.bodies.finite_elements.standard_input import StandardInput
 
@@ -100,7 +101,7 @@ def _orthogonal(data: StandardInput) -> tuple[Array, Array]:
         lowest = np.linalg.eigvalsh(_symmetric(damping.constant))
         if lowest[0] < -_UNLIKE * lowest[-1]:
             raise InputError(f"{data.where('De')}: De: is indefinite; damping takes energy away")
-    return np.asarray(vectors * np.sqrt(data.mass)), np.asarray(squares)
+    return np.asarray(vectors * mode_signs(vectors) * np.sqrt(data.mass)), np.asarray(squares)
 
 
 def _integrals(data: StandardInput) -> tuple[InertiaIntegrals, Array | None]:
