@@ -330,6 +330,7 @@ SENSORS = {
     "angles": "body: b, sequence: [1, 2, 3]",
     "body": "body: b",
     "accelerometer": "body: b, point: [0.1 m, 0, 0]",
+    "seat": "body: b, point: [0.1 m, 0, 0]",
     "floor": "body: b, point: [0.1 m, 0, 0]",
     "expression": "value: 'b.x * b.y_rate + time * 1 m^2/s^2', unit: m^2/s",
     "wheel_angles": "body: b, centre: [0, 0.1 m, 0], axis: [0, -1, 0], radius: 0.3 m, side: right, "

@@ -128,7 +128,7 @@ def test_each_problem_has_its_line(write, old, new, told):
 def test_an_unknown_model_is_told_with_those_of_catalogue_and_library(write):
     (line,) = problems(write(("model: cart", "model: card")))
     assert line.startswith("2:8: model: no model named 'card'; did you mean 'cart'? Known: ")
-    assert {"cart", "broken_cart", "quarter_car"} <= set(line.partition("Known: ")[2].split(", "))
+    assert {"cart", "broken_cart", "bicycle"} <= set(line.partition("Known: ")[2].split(", "))
 
 
 def test_lines_are_those_of_the_file(write):
