@@ -204,6 +204,7 @@ def test_roots_of_the_mass_matrix(files, model, monkeypatch):
     kinetic = e.output[names.index("energy.kinetic")]
     resistance = seen[0][0]
     state = at_random(e, 6)
+    state[:n] *= 0.3  # at larger deformations the mass of second order is not positive definite
     order = [[s.name for s in e.states].index(joint.name) for joint in resistance.joints]
     rows = original(resistance, 0.0, state[order], resistance._values)
     hessian = ca.hessian(kinetic, e.state[n:])[0]
