@@ -255,7 +255,7 @@ class _Problem:
                 xtol=1e-14, ftol=1e-14, gtol=1e-14,
             )  # fmt: skip
         except (ValueError, np.linalg.LinAlgError) as error:
-            raise NumericalError(f"{source}: the fit comes to what is no number: {error}") from None
+            raise NumericalError(f"{source}: the fit gives no finite number: {error}") from None
         if not (found.success and np.isfinite(found.jac).all()):
             raise NumericalError(f"{source}: the fit does not converge: {found.message}")
         size = np.linalg.norm(found.jac, axis=0)

@@ -48,7 +48,6 @@ LARGEST_BUFFER = 4096  # samples
 AMPLE = 1 << 26  # bytes
 CACHE = 1 << 16  # bytes of a dataset
 FLUSH_INTERVAL = 0.5  # s of wall time
-LONG_FLUSH = 0.05  # s; one that takes longer lengthens the interval as much
 
 Floats = NDArray[np.float64]
 
@@ -119,7 +118,6 @@ class ResultWriter(contextlib.AbstractContextManager["ResultWriter"]):
         self._noted: list[History] = []
         self._events: list[EventRecord] = []
         self._last_time = -np.inf
-        self._patience = 1.0
         self._scratch = self.path.with_name(f".{self.path.name}.new")
         self._lock = OutputLock(self.path)
         self._container: Container | None = None
@@ -147,8 +145,6 @@ class ResultWriter(contextlib.AbstractContextManager["ResultWriter"]):
     def append(self, times: Floats, channels: Floats, states: Floats | None = None) -> None:
         """Add samples; they reach the file with the next append after half a second, or at the end.
 
-        Half a second becomes ten times what the last write took, where that is longer.
-
         Parameters
         ----------
         times
@@ -171,7 +167,7 @@ class ResultWriter(contextlib.AbstractContextManager["ResultWriter"]):
         block = checked_block(times, channels, states, self._widths, self._last_time)
         self._last_time = block.times[-1] if len(block.times) else self._last_time
         self._buffer.append(block)
-        overdue = time.monotonic() - self._flushed_at >= FLUSH_INTERVAL * self._patience
+        overdue = time.monotonic() - self._flushed_at >= FLUSH_INTERVAL
         if overdue or sum(len(block.times) for block in self._buffer) > self._most:
             self._flush(self._container)
 
@@ -317,7 +313,6 @@ class ResultWriter(contextlib.AbstractContextManager["ResultWriter"]):
             return
         block = Block(*(np.concatenate(part) for part in zip(*self._buffer, strict=True)))
         self._buffer.clear()
-        began = time.monotonic()
         try:
             start, ample = 0, self._has_space(len(block.times))
             while start < len(block.times):
@@ -331,7 +326,6 @@ class ResultWriter(contextlib.AbstractContextManager["ResultWriter"]):
             self._full = self._failed(error)
             raise self._full from error
         self._flushed_at = time.monotonic()
-        self._patience = max(1.0, (self._flushed_at - began) / LONG_FLUSH)
 
     def _has_space(self, rows: int) -> bool:
         """Return whether the disk surely takes so many samples."""

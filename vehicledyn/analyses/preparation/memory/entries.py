@@ -1,4 +1,4 @@
-"""Files of the cache that hold plain data, each whole and nobody else's, or as good as none."""
+"""Files of the cache that hold plain data, each whole and of its owner, or ignored."""
 
 from __future__ import annotations
 

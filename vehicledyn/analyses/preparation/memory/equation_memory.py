@@ -3,7 +3,7 @@
 An entry holds facts and expressions of the equations, their fingerprint and the key of the compiled
 kernel; its name is a digest of all that they follow from. Points of which nothing is idle are kept
 beside it, since only the derivation could look at them again. A missing, old or damaged entry is
-as good as none.
+ignored.
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@
 An entry holds the facts of the equations, the key of the compiled kernel and the point that the
 run starts from. Its name is a digest of everything these follow from: the resolved scenario
 with all parameters, the files it names, the program's own files, the version of CasADi and the
-compiler. A missing, old or damaged entry is as good as none. The channels that a scenario will have
+compiler. A missing, old or damaged entry is ignored. The channels that a scenario will have
 are kept likewise, for what validates it.
 """
 
