@@ -1,4 +1,4 @@
-"""Transfer functions from a swept sine, a pulse or any other transient, with coherence (ISO 7401).
+"""Transfer functions from a swept sine, a pulse or any other transient (ISO 7401).
 
 Of a transient that begins and ends at rest H(f) = Y(f)/U(f), of one Fourier transform each over the
 whole record: no window is needed, and none distorts the response. Where only the input is back at
@@ -78,15 +78,6 @@ def transient_response(
     largest = float(np.abs(answer).max())
     leftover = abs(float(answer[-1])) / largest if largest > 0.0 else 0.0
     return FrequencyResponse(frequencies, spectra[1] / spectra[0], leftover)
-
-
-def coherence(time: Floats, given: Floats, answer: Floats, frequencies: Floats) -> Floats:
-    """Return the coherence γ² of output and input, by Welch's method with eight segments [1]."""
-    from scipy.signal import coherence as welch
-
-    rate = 1.0 / float(time[1] - time[0])
-    found, values = welch(given, answer, fs=rate, nperseg=max(len(time) // 4, 16))
-    return np.asarray(np.interp(frequencies, found, values))
 
 
 def _transform(time: Floats, values: Floats, frequencies: Floats) -> NDArray[np.complex128]:
