@@ -50,18 +50,19 @@ def test_direction_is_found_and_told(tmp_path, changes, told):
 
 
 @pytest.mark.parametrize(
-    ("head", "factor", "separator"),
+    ("head", "factor", "separator", "unit"),
     [
-        ("y_mm,z_mm\n", 1e3, ","),
-        ("y [m];z [m]\n", 1.0, ";"),
-        ("# measured in 2020\n# unit: cm\n", 1e2, "\t"),
-        ("# numbers in metres are not meant\n", 1e3, " "),
-        ("y_inch,z_inch\n", 1.0 / 0.0254, ","),
+        ("y_mm,z_mm\n", 1e3, ",", "mm"),
+        ("y [m];z [m]\n", 1.0, ";", "m"),
+        ("# measured in 2020\n# unit: cm\n", 1e2, "\t", "cm"),
+        ("# numbers in metres are not meant\n", 1e3, " ", "mm, assumed"),
+        ("y_inch,z_inch\n", 1.0 / 0.0254, ",", "inch"),
     ],
 )
-def test_columns_with_units(tmp_path, head, factor, separator):
+def test_columns_with_units(tmp_path, head, factor, separator, unit):
     text = head + lines(points(factor), separator)
-    is_s1002(read_profile(written(tmp_path, text, "wheel.csv"), "wheel"))
+    notes = is_s1002(read_profile(written(tmp_path, text, "wheel.csv"), "wheel"))
+    assert f"lengths in {unit}" in notes
 
 
 def with_commas(pairs, separator):
@@ -94,16 +95,20 @@ def test_commas_part_columns(tmp_path, text):
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "told", "line"),
     [
-        (with_commas(points(), ","), "commas may part columns or mark decimals here"),
-        (with_commas(points(), ", "), "commas may part columns or mark decimals here"),
-        (lines(points()) + with_commas(points(), ";"), "commas and points both mark decimals"),
-        ("-1.068,25;18,35\n" + with_commas(points(), ";"), "commas and points both mark"),
+        (with_commas(points(), ","), "commas may part columns or mark decimals here", 1),
+        (with_commas(points(), ", "), "commas may part columns or mark decimals here", 1),
+        (
+            lines(points()) + with_commas(points(), ";"),
+            "commas and points both mark decimals",
+            len(PLACES) + 1,
+        ),
+        ("-1.068,25;18,35\n" + with_commas(points(), ";"), "commas and points both mark", 1),
     ],
 )
-def test_commas_that_mean_two_things(tmp_path, text, told):
-    refused(tmp_path, text, told)
+def test_commas_that_mean_two_things(tmp_path, text, told, line):
+    assert refused(tmp_path, text, told) == line
 
 
 @pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "cp1252"])
@@ -119,16 +124,19 @@ def test_encodings(tmp_path, encoding):
 
 def test_exchanged_columns(tmp_path):
     pairs = [(z, y) for y, z in points()]
-    refused(tmp_path, lines(pairs), "are the columns exchanged? y comes first, then z")
+    told = "are the columns exchanged? y comes first, then z"
+    assert refused(tmp_path, lines(pairs), told) == 1
 
 
 def test_exchanged_wheel_and_rail(tmp_path):
     y = np.arange(-0.0355, 0.03551, 2.5e-4)
     rail = lines(1e3 * np.column_stack([y, RAIL.height(y)]))
-    refused(tmp_path, rail, "a wheel's profile is needed")
-    refused(tmp_path, lines(points()), "as the flange of a wheel", kind="rail")
+    assert refused(tmp_path, rail, "a wheel's profile is needed") == 1
+    assert refused(tmp_path, lines(points()), "as the flange of a wheel", kind="rail") == 1
     text = simpack(points())
-    refused(tmp_path, text, "here a wheel's is needed; are wheel and rail exch", "wheel.prr")
+    told = "here a wheel's is needed; are wheel and rail exch"
+    line = refused(tmp_path, text, told, "wheel.prr")
+    assert text.splitlines()[line - 1].startswith("-68.0 ")
 
 
 @pytest.mark.parametrize("ahead", [20.0, 40.0, 60.0])
@@ -137,7 +145,8 @@ def test_wheel_in_the_place_of_a_rail_wherever_its_zero_is(tmp_path, ahead, flip
     """Its rim may lie in the middle, where a rail is highest."""
     side = -1.0 if "flip_y" in flip else 1.0
     pairs = [(y + side * ahead, z) for y, z in points(**flip)]
-    refused(tmp_path, lines(pairs), "as the flange of a wheel; a rail's profile", kind="rail")
+    told = "as the flange of a wheel; a rail's profile"
+    assert refused(tmp_path, lines(pairs), told, kind="rail") == 1
 
 
 @pytest.mark.parametrize("deep", [9e-3, 0.02, 0.03])
@@ -291,15 +300,20 @@ def refused(tmp_path, text, told, name="bad.csv", kind="wheel"):
 
 
 def test_metres_for_millimetres(tmp_path):
-    refused(tmp_path, lines(points(1.0)), "are the lengths in m? Then say so: '# unit: m'")
+    told = "are the lengths in m? Then say so: '# unit: m'"
+    assert refused(tmp_path, lines(points(1.0)), told) == 1
+    path = written(tmp_path, "# unit: m\n" + lines(points(1.0)))
+    assert "lengths in m" in is_s1002(read_profile(path, "wheel"))
 
 
 def test_millimetres_for_metres(tmp_path):
-    refused(tmp_path, "y_m z_m\n" + lines(points()), "read in m; are the lengths in mm?")
+    text = "y_m z_m\n" + lines(points())
+    assert refused(tmp_path, text, "read in m; are the lengths in mm?") == 2
 
 
 def test_too_few_points(tmp_path):
-    refused(tmp_path, lines(points()[::80]), "points are too few")
+    few = points()[::80]
+    assert refused(tmp_path, lines(few), f"{len(few)} points are too few") == len(few)
 
 
 def test_too_many_points(tmp_path):
@@ -348,7 +362,8 @@ def test_wrong_lines(tmp_path, text, told, line):
 
 def test_tape_circle_outside(tmp_path):
     pairs = [(y + 200.0, z) for y, z in points()]
-    refused(tmp_path, lines(pairs), "y = 0 must be the tape circle")
+    told = "y runs from 132 to 258 mm; y = 0 must be the tape circle"
+    assert refused(tmp_path, lines(pairs), told) == 1
 
 
 @pytest.mark.parametrize(
@@ -360,11 +375,12 @@ def test_tape_circle_outside(tmp_path):
     ],
 )
 def test_wrong_simpack(tmp_path, settings, told):
-    refused(tmp_path, simpack(points(), **settings), told, "wheel.prw")
+    assert refused(tmp_path, simpack(points(), **settings), told, "wheel.prw") == 1
 
 
 def test_simpack_without_points(tmp_path):
-    refused(tmp_path, lines(points()), "between point.begin and point.end", "wheel.prw")
+    told = "between point.begin and point.end"
+    assert refused(tmp_path, lines(points()), told, "wheel.prw") == len(PLACES)
 
 
 def test_missing_and_binary_files(tmp_path):

@@ -3,7 +3,7 @@
 Lines NAME=VALUE, many of them empty, come before an empty line and the points; a line that opens
 with a quotation mark is a comment. ``ColumnDef`` names the columns, often more than there are;
 X and Y are needed. ``WheelDiameterTaperline`` is the distance of the tape circle from the back of
-the flange, where X is zero on wheels. The older layout opens with #MINIWHEELPROF or the like and
+the flange, where X is zero on wheels; ``XYPoints`` counts the points. The older layout opens with #MINIWHEELPROF or the like and
 names no columns. A .mpt file holds sections of points in the order of the profile. Commas mark
 decimals where Windows writes them so, and a head that stands still repeats its point.
 
@@ -19,14 +19,22 @@ import re
 from collections.abc import Sequence
 
 from vehicledyn.rail.profiles.profile_columns import IN_HEADER, cells_of
-from vehicledyn.rail.profiles.profile_points import MILLIMETRE, RawPoints, number_of, take_unit
+from vehicledyn.rail.profiles.profile_points import (
+    FURTHEST_TAPE_CIRCLE,
+    MILLIMETRE,
+    NEAREST_TAPE_CIRCLE,
+    RawPoints,
+    number_of,
+    take_unit,
+)
 
 _SPLIT = re.compile(r"[,;\s]+")
-_LENGTH = re.compile(r"([+-]?[\d.]*(?:,\d+)?(?:[eE][+-]?\d+)?)\s*(?:mm)?")
+_LENGTH = re.compile(r"([+-]?[\d.]*(?:,\d+)?(?:[eE][+-]?\d+)?)\s*(mm)?")
 _COLUMNS = re.compile(r"[,;\s]+")
 _SECTION = re.compile(r"\[\s*(\w+)\s*\]")
 _NEEDED = {"x", "y"}
 _TAPE = "wheeldiametertaperline"
+_COUNT = "xypoints"
 
 
 def is_miniprof(lines: Sequence[str]) -> bool:
@@ -64,7 +72,7 @@ def read_miniprof(file: str, lines: Sequence[str]) -> RawPoints:
         elif inside and text:
             rows.take(number, text, header.columns)
     rows.add()
-    header.apply()
+    header.apply(len(rows.rows))
     if sections > 1:
         points.notes.append(f"{sections} sections of points joined in their order")
     return points
@@ -114,7 +122,8 @@ class _Header:
     def __init__(self, points: RawPoints) -> None:
         self.points = points
         self.columns = ["x", "y"]
-        self.numbers: dict[str, float] = {}
+        self.lengths: dict[str, tuple[int, str]] = {}
+        self.count = 0
 
     def take(self, line: int, text: str) -> None:
         """Take one line; empty values say nothing."""
@@ -127,17 +136,36 @@ class _Header:
         elif key in ("unit", "units"):
             take_unit(self.points, IN_HEADER.search(value))
         elif key in ("xoffset", "yoffset", _TAPE):
-            length = _LENGTH.fullmatch(value)
-            number = number_of(length[1].replace(",", ".")) if length else None
-            if number is None:
-                raise self.points.refused(line, 1, f"{key}: '{value}' is not a number")
-            self.numbers[key] = number
+            self.lengths[key] = line, value
+        elif key == _COUNT and value.isdecimal():
+            self.count += int(value)
 
-    def apply(self) -> None:
-        """Add the offsets and note where the tape circle is."""
-        offsets = [self.numbers.get(key, 0.0) for key in ("xoffset", "yoffset")]
+    def apply(self, count: int) -> None:
+        """Add the offsets, note where the tape circle is and whether points are missing."""
+        offsets = [self._metres(key) / self.points.unit for key in ("xoffset", "yoffset")]
         if any(offsets):
             self.points.shift(*offsets)
             self.points.notes.append("XOffset and YOffset of the file added")
-        if self.numbers.get(_TAPE, 0.0) > 0.0:
-            self.points.tape_circle = MILLIMETRE * self.numbers[_TAPE]
+        if count < self.count:
+            self.points.notes.append(
+                f"cut off? the file holds {count} of the {self.count} points that XYPoints counts"
+            )
+        distance = self._metres(_TAPE)
+        if distance and not NEAREST_TAPE_CIRCLE < distance < FURTHEST_TAPE_CIRCLE:
+            line, value = self.lengths[_TAPE]
+            limits = f"{1e3 * NEAREST_TAPE_CIRCLE:g} and {1e3 * FURTHEST_TAPE_CIRCLE:g} mm"
+            message = (
+                f"{_TAPE}: '{value}' is no distance of a tape circle from the back of the flange; "
+                f"give one between {limits}, or leave it empty"
+            )
+            raise self.points.refused(line, 1, message)
+        self.points.tape_circle = distance or None
+
+    def _metres(self, key: str) -> float:
+        """Return a length of the header, in the unit of the points if it names none; or zero."""
+        line, value = self.lengths.get(key, (0, "0"))
+        length = _LENGTH.fullmatch(value)
+        number = number_of(length[1].replace(",", ".")) if length else None
+        if length is None or number is None:
+            raise self.points.refused(line, 1, f"{key}: '{value}' is not a number")
+        return number * (MILLIMETRE if length[2] else self.points.unit)

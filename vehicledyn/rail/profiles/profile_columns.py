@@ -15,6 +15,7 @@ from vehicledyn.rail.profiles.profile_points import RawPoints, take_unit
 _NAMES = "(mm|cm|m|µm|μm|um|in|inch)"
 _STATED = re.compile(rf"\bunits?\b\s*[:=]?\s*{_NAMES}\b|[\[(]{_NAMES}[\])]", re.IGNORECASE)
 IN_HEADER = re.compile(rf"(?<![A-Za-z]){_NAMES}(?![A-Za-z])", re.IGNORECASE)
+_NAMED = re.compile(r'[\s"]*([xyz])(?![A-Za-z])', re.IGNORECASE)
 _COMMENT = re.compile(r"[#%!]")
 _PARTED = re.compile(r"[;\s]+")
 _NUMERIC = re.compile(r"[+-]?[.,]?\d")
@@ -23,7 +24,9 @@ _WAYS = "part the columns with ';' or a tab, or write decimals with points"
 
 
 def read_columns(file: str, lines: Sequence[str]) -> RawPoints:
-    """Return y and z, the first two numbers of each line; # opens a comment, a header may name.
+    """Return y and z, the first two numbers of each line or those that a header names so.
+
+    # opens a comment.
 
     Raises
     ------
@@ -32,7 +35,7 @@ def read_columns(file: str, lines: Sequence[str]) -> RawPoints:
     """
     points = RawPoints(file, notes=["two columns, y and z"])
     rows: list[tuple[int, str]] = []
-    named = 0
+    names: list[str] = []
     for number, line in enumerate(lines, 1):
         text, *comment = _COMMENT.split(line, maxsplit=1)
         if not rows:
@@ -43,12 +46,24 @@ def read_columns(file: str, lines: Sequence[str]) -> RawPoints:
             continue
         if not rows and not _NUMERIC.match(body):
             take_unit(points, IN_HEADER.search(text.replace("_", " ")))
-            named = len(re.split(r"[,;\t]", text))
+            names = re.split(r"[,;\t]", text)
             continue
         rows.append((number, body))
-    for (number, _), cells in zip(rows, cells_of(points, rows, named), strict=True):
-        points.add(number, cells)
+    first, second = _places(names)
+    if (first, second) != (0, 1):
+        points.notes[0] = f"y and z are columns {first + 1} and {second + 1}, by the header"
+    for (number, _), cells in zip(rows, cells_of(points, rows, len(names)), strict=True):
+        points.add(number, [cells[k] for k in (first, second) if k < len(cells)])
     return points
+
+
+def _places(names: Sequence[str]) -> tuple[int, int]:
+    """Return which columns y and z are by their names: y and z, x and z, or x and y."""
+    found = [match[1].lower() if (match := _NAMED.match(name)) else "" for name in names]
+    for pair in (("y", "z"), ("x", "z"), ("x", "y")):
+        if all(found.count(name) == 1 for name in pair):
+            return found.index(pair[0]), found.index(pair[1])
+    return 0, 1
 
 
 def cells_of(points: RawPoints, rows: Sequence[tuple[int, str]], named: int) -> list[list[str]]:

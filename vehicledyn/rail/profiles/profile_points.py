@@ -14,6 +14,9 @@ MILLIMETRE = 1e-3
 _INCH = 0.0254
 _MICROMETRE = 1e-6
 
+NEAREST_TAPE_CIRCLE, FURTHEST_TAPE_CIRCLE = 0.02, 0.15
+"""Distances between which a tape circle lies from the back of its flange [m]."""
+
 
 @dataclass
 class RawPoints:

@@ -7,6 +7,7 @@ from typing import Literal
 from pydantic import Field
 
 from vehicledyn.base.parameters import ParameterSet, quantity
+from vehicledyn.rail.profiles.profile_points import FURTHEST_TAPE_CIRCLE, NEAREST_TAPE_CIRCLE
 
 Defects = Literal["refuse", "mend", "keep"]
 
@@ -29,8 +30,8 @@ class ProfileReading(ParameterSet):
         "m",
         "Distance of the tape circle from the back of the flange, for points counted from there",
         default=None,
-        gt=0.02,
-        lt=0.15,
+        gt=NEAREST_TAPE_CIRCLE,
+        lt=FURTHEST_TAPE_CIRCLE,
     )
 
 
