@@ -85,6 +85,9 @@ KERBS = {
     "a millimetre wide": ([0.0, 10.0, 10.001, 20.0], [0.0, 0.0, 0.08, 0.08]),
     "two points": ([0.0, 0.05], [0.0, 0.08]),
     "even": (np.arange(60) * 0.1, np.where(np.arange(60) < 30, 0.0, 0.08)),
+    "down from the second of three points": ([0.0, 0.3, 0.42], [0.08, 0.08, 0.0]),
+    "up to the second of three points": ([0.0, 0.46, 1.67], [-0.05, 0.0, 0.0]),
+    "a plateau of four points": ([0.0, 2.3, 6.7, 8.4], [-0.05, 0.08, 0.08, 0.0]),
     "up and down": ([0.0, 3.0, 3.02, 5.0, 5.02, 30.0], [0.0, 0.0, 0.08, 0.08, -0.02, -0.02]),
 }
 
@@ -108,6 +111,16 @@ def test_no_road_leaves_the_heights_of_its_points(tmp_path, name):
     for place in x:
         before, after = (float(road.gradient(place + s, 0.0)[0]) for s in (-step, step))
         assert before == pytest.approx(after, abs=1e-4 * np.abs(slopes).max())
+
+
+def test_few_points_resolve_no_hill_between_them():
+    """Two to five points reached half of their range beyond them."""
+    for seed in range(200):
+        rng = np.random.default_rng(seed)
+        count = int(rng.integers(2, 6))
+        x = np.cumsum(rng.uniform(1.0, 2.9, count))
+        z = rng.choice([0.0, 0.08, -0.05, 0.3], count)
+        assert excess(x, z, level_slopes(x, z)).max() <= 1e-12
 
 
 def test_random_heights_keep_their_extremes_where_steps_are(tmp_path):

@@ -90,14 +90,14 @@ def _resolved_excess(places: Vector, values: Vector) -> Vector:
     """Return twice the excess of the parabola that the points around an interval agree on.
 
     They agree where the bend at the four points around has one sign; distances that differ
-    much, as beside a kerb, resolve nothing.
+    much, as beside a kerb, resolve nothing. Beyond both ends the curve goes on level.
     """
     steps = np.diff(places)
-    bends = np.diff(np.diff(values) / steps) / (steps[:-1] + steps[1:])
-    padded = np.pad(bends, 2, mode="edge") if len(bends) else np.zeros(4)
-    around = np.lib.stride_tricks.sliding_window_view(padded, 4)
+    beyond = np.pad(steps, 2, mode="edge")
+    bends = np.diff(np.pad(np.diff(values) / steps, 2)) / (beyond[:-1] + beyond[1:])
+    around = np.lib.stride_tricks.sliding_window_view(bends, 4)
     agreed = np.where(np.abs(np.sign(around).sum(axis=1)) == 4, np.abs(around).min(axis=1), 0.0)
-    beside = np.lib.stride_tricks.sliding_window_view(np.pad(steps, 1, mode="edge"), 3)
+    beside = np.lib.stride_tricks.sliding_window_view(beyond[1:-1], 3)
     even = beside.max(axis=1) <= _UNEVEN * beside.min(axis=1)
     return np.where(even, 0.5 * agreed * steps**2, 0.0)
 
