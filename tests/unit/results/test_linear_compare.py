@@ -51,6 +51,14 @@ def test_equal_studies(reference, tmp_path):
     assert found.verdict == "equal" and len(found.channels) > 8
 
 
+def test_changes_that_a_title_names_are_reported(reference, tmp_path):
+    found = compared(tmp_path / "hunt.h5", reference, study(title="A wheelset, changed: k = 1 N/m"))
+    assert found.verdict == "equal"
+    assert found.notes == (
+        "title is 'A wheelset, changed: k = 1 N/m', in the reference 'A wheelset'",
+    )
+
+
 def test_infinite_parts_of_complex_numbers_stay_apart(tmp_path):
     """Multiplied by 1j an infinite part would make the other one no number, with a warning."""
     with h5py.File(tmp_path / "modes.h5", "w") as file:

@@ -235,6 +235,8 @@ def _texts(file: h5py.File) -> dict[str, list[str]]:
 
 
 def _notes(ours: h5py.File, theirs: h5py.File) -> Iterator[str]:
-    models = [str(file.attrs.get("model", "")) for file in (ours, theirs)]
-    if models[0] != models[1]:
-        yield "model is {}, in the reference {}".format(*models)
+    """Yield by what two files differ before any number: model and title, which names changes."""
+    for name in ("model", "title"):
+        texts = [str(file.attrs.get(name, "")) for file in (ours, theirs)]
+        if texts[0] != texts[1]:
+            yield f"{name} is '{texts[0]}', in the reference '{texts[1]}'"
