@@ -134,14 +134,12 @@ class Alignment:
     def _all(self) -> list[Piece]:
         """The pieces between two that never end."""
         first, last = self.pieces[0], self.pieces[-1]
-        before = Piece(
-            _ENDLESS,
-            cant=(first.cant[0],) * 2,
-            widening=(first.widening[0],) * 2,
-            inner=first.inner,
-        )
-        after = Piece(
-            _ENDLESS, cant=(last.cant[1],) * 2, widening=(last.widening[1],) * 2, inner=last.inner
+        ends = (first, 0), (last, 1)
+        before, after = (
+            Piece(
+                _ENDLESS, cant=(p.cant[k],) * 2, left=(p.left[k],) * 2, right=(p.right[k],) * 2
+            )
+            for p, k in ends
         )
         return [before, *self.pieces, after]
 
@@ -156,7 +154,7 @@ class Alignment:
         pieces = self._all
         columns = {
             name: np.array([getattr(p, name) for p in pieces])
-            for name in ("length", "curvature", "cant", "widening", "inner")
+            for name in ("length", "curvature", "cant", "left", "right")
         }
         columns["begin"] = np.concatenate([[-_ENDLESS], self._begins])
         turned = np.zeros(len(pieces))
@@ -194,7 +192,7 @@ class Alignment:
         return curvature, heading
 
     def _ramped(self, what: str, s: Array, near: Near) -> tuple[Array, Array]:
-        """Return cant or widening and its slope."""
+        """Return the cant or the shift of a rail, and its slope."""
         s = np.asarray(s, dtype=float)
         k, u = self._where(s, near)
         first, last = self._columns[what][k, 0], self._columns[what][k, 1]
@@ -206,9 +204,7 @@ class Alignment:
         return first + rise * share, rise * slope / self._columns["length"][k]
 
     def _widened(self, s: Array, near: Near, which: int) -> tuple[Array, Array]:
-        widening = self._ramped("widening", s, near)[which]
-        inner = self._columns["inner"][self._where(np.asarray(s, dtype=float), near)[0]]
-        return 0.5 * (1.0 + inner) * widening, -0.5 * (1.0 - inner) * widening
+        return self._ramped("left", s, near)[which], self._ramped("right", s, near)[which]
 
     # -- gradient ------------------------------------------------------------------------------
 

@@ -8,10 +8,17 @@ from typing import NamedTuple
 from vehicledyn.rail.track.pieces import Grade, Piece
 from vehicledyn.rail.track.segments import SegmentSet
 
-State = tuple[float, float, float]
-"""Curvature [1/m], cant [m] and widening [m]."""
 
-STRAIGHT: State = (0.0, 0.0, 0.0)
+class State(NamedTuple):
+    """Curvature [1/m], cant [m], and shifts of both rails to the left [m], at a place."""
+
+    curvature: float
+    cant: float
+    left: float
+    right: float
+
+
+STRAIGHT = State(0.0, 0.0, 0.0, 0.0)
 HIGHEST_CANT = 0.4
 """Cant by the gauge beyond which it is taken for a mistake, such as metres for millimetres."""
 
@@ -47,13 +54,10 @@ def pieces_of(segments: Sequence[SegmentSet], gauge: float) -> tuple[list[Piece]
     pieces = []
     for k, segment in enumerate(segments):
         first, last = _ends(segments, k)
-        inner = _inner(first[0] + last[0])
-        bends = (first[0], last[0])
+        bends, *others = zip(first, last, strict=True)
         if segment.kind == "ramp":
             bends = (min(bends, key=abs),) * 2
-        cant, widening = (first[1], last[1]), (first[2], last[2])
-        shape = segment.shape or "linear"
-        pieces.append(Piece(segment.length, bends, cant, widening, shape, inner))
+        pieces.append(Piece(segment.length, bends, *others, segment.shape or "linear"))
         faults += _transition_faults(k, segment, bends)
     return pieces, [*faults, *_jumps(segments, pieces)]
 
@@ -98,17 +102,24 @@ def _faults_of(k: int, segment: SegmentSet, gauge: float) -> list[Fault]:
 
 
 def _ends(segments: Sequence[SegmentSet], k: int) -> tuple[State, State]:
-    own = segments[k].constant
+    own = _state(segments[k])
     if own is not None:
         return own, own
-    before = segments[k - 1].constant if k > 0 else None
-    after = segments[k + 1].constant if k + 1 < len(segments) else None
+    before = _state(segments[k - 1]) if k > 0 else None
+    after = _state(segments[k + 1]) if k + 1 < len(segments) else None
     return before or STRAIGHT, after or STRAIGHT
 
 
-def _inner(bend: float) -> float:
-    """Return which rail lies inside the curve that a segment is part of or leads to."""
-    return float((bend > 0.0) - (bend < 0.0))
+def _state(segment: SegmentSet) -> State | None:
+    """Return the state all along a segment, None for a transition.
+
+    The rail inside a curve carries its widening; on a straight either rail carries half.
+    """
+    if segment.constant is None:
+        return None
+    curvature, cant, widening = segment.constant
+    inner = float((curvature > 0.0) - (curvature < 0.0))
+    return State(curvature, cant, 0.5 * (1.0 + inner) * widening, -0.5 * (1.0 - inner) * widening)
 
 
 def _transition_faults(k: int, segment: SegmentSet, bends: tuple[float, float]) -> list[Fault]:
@@ -134,22 +145,12 @@ def _jumps(segments: Sequence[SegmentSet], pieces: Sequence[Piece]) -> list[Faul
             words = f"the cant jumps from {was:g} mm to {becomes:g} mm"
             field = "cant" if segments[k].constant else "kind"
             faults.append(Fault(k, field, f"{words}; put a transition or a ramp in between"))
-        elif any(
-            abs(a - b) > _EQUAL for a, b in zip(_ending(before), _starting(after), strict=True)
-        ):
+        elif max(_leap(before.left, after.left), _leap(before.right, after.right)) > _EQUAL:
             words = "a rail jumps sideways, as the widening changes at once"
             field = "widening" if segments[k].constant else "kind"
             faults.append(Fault(k, field, f"{words}; put a transition or a ramp in between"))
     return faults
 
 
-def _ending(piece: Piece) -> tuple[float, float]:
-    return _rails(piece.inner, piece.widening[1])
-
-
-def _starting(piece: Piece) -> tuple[float, float]:
-    return _rails(piece.inner, piece.widening[0])
-
-
-def _rails(inner: float, widening: float) -> tuple[float, float]:
-    return 0.5 * (1.0 + inner) * widening, -0.5 * (1.0 - inner) * widening
+def _leap(before: tuple[float, float], after: tuple[float, float]) -> float:
+    return abs(after[0] - before[1])

@@ -11,16 +11,16 @@ class Piece:
 
     ``shape`` is a name of :data:`~vehicledyn.rail.track.transition_shapes.SHAPES` or
     "cubic_parabola", of
-    which one end must be straight. ``inner`` is 1.0 if the left rail carries the widening, -1.0
-    the right one, 0.0 if both do.
+    which one end must be straight. ``left`` and ``right`` are the shifts of both rails to the
+    left, by which the gauge is wider [m].
     """
 
     length: float
     curvature: tuple[float, float] = (0.0, 0.0)
     cant: tuple[float, float] = (0.0, 0.0)
-    widening: tuple[float, float] = (0.0, 0.0)
+    left: tuple[float, float] = (0.0, 0.0)
+    right: tuple[float, float] = (0.0, 0.0)
     shape: str = "linear"
-    inner: float = 0.0
 
 
 @dataclass(frozen=True)

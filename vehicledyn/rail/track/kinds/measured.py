@@ -69,7 +69,8 @@ class MeasuredTrack(DesignedTrack):
             words = f"a gauge of {1e3 * values['gauge'][row]:g} mm is not one of nominally "
             words += f"{1e3 * self.gauge:g} mm; is the unit in the head right?"
             raise refusal([columns.problem(row, "gauge", words)], str(path))
-        pairs = [list(pairwise(map(float, v))) for v in (bend, cant, widening)]
+        rails = 0.5 * widening, -0.5 * widening
+        pairs = [list(pairwise(map(float, v))) for v in (bend, cant, *rails)]
         lengths = s[1:] - s[:-1]
         pieces = [Piece(float(n), *ends) for n, *ends in zip(lengths, *pairs, strict=True)]
         grades = _grades(s - s[0], values.get("gradient", none))
