@@ -20,6 +20,7 @@ from vehicledyn.analyses.preparation.runnable import Subject
 from vehicledyn.analyses.simulation.chosen_step import leaves_step, with_step
 from vehicledyn.analyses.simulation.judgement import judged_by
 from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_watched
+from vehicledyn.analyses.simulation.sunk_wheels import refuse_sunk_wheels
 from vehicledyn.base.errors import InputError, VehicledynError, nearest_name
 from vehicledyn.codegen.toolchain.fingerprint import fingerprint
 from vehicledyn.files.scenario.load import LoadedScenario
@@ -117,6 +118,7 @@ class Model:
         own = replace(self.prepared, subject=subject, equations=equations, kernel=kernel)
         scenario = loaded.scenario
         start = start_of(own, scenario.speed or 0.0, scenario.start, self.reference)
+        refuse_sunk_wheels(own, start)
         return Case(own.kernel.parameters, start, subject)
 
     def run_watched(self, kernel: Kernel, solver: Solver, **span: Any) -> Statistics:
