@@ -68,7 +68,9 @@ def test_start_with_a_flange_in_the_rail_is_refused_by_wheel_and_place(tmp_path,
         started_at(tmp_path, lateral)
     words = rf"beside the rails: the {side} wheel of 'wheels' is [\d.]+ mm deep in its rail, "
     shift = lateral.strip("-")
-    assert re.search(rf"{words}shifted to the {side} by {shift}; give start values", str(told.value))
+    assert re.search(
+        rf"{words}shifted to the {side} by {shift}; give start values", str(told.value)
+    )
     assert not (tmp_path / "start.h5").exists()
 
 

@@ -29,8 +29,10 @@ def is_s1002(profile):
 @pytest.mark.parametrize("offset", ["0.1", "2.54 mm"])
 def test_lengths_of_the_header_are_in_the_unit_of_the_points(tmp_path, tape_circle, offset):
     """The tape circle of a file in inches was 2.8 mm beside the back, wheels 8 mm too large."""
-    header = f"WheelDiameterTaperline={tape_circle}\nXOffset={offset}\nUnits=inch\nColumnDef=X,Y\n\n"
-    profile = read(tmp_path, header, (POINTS + (70.0 - 2.54, 0.0)) / INCH)
+    header = (
+        f"WheelDiameterTaperline={tape_circle}\nXOffset={offset}\nUnits=inch\nColumnDef=X,Y\n\n"
+    )
+    profile = read(tmp_path, header, np.add(POINTS, (70.0 - 2.54, 0.0)) / INCH)
     is_s1002(profile)
     assert any("the tape circle at 70 mm" in note for note in profile.notes)
 
@@ -39,7 +41,7 @@ def test_lengths_of_the_header_are_in_the_unit_of_the_points(tmp_path, tape_circ
 def test_tape_circle_that_no_wheel_has(tmp_path, distance):
     header = f"ColumnDef=X,Y\nWheelDiameterTaperline={distance}\n\n"
     with pytest.raises(InputError, match=rf"w\.whl:2:1: .*'{distance}' is no distance of a tape"):
-        read(tmp_path, header, POINTS + (70.0, 0.0))
+        read(tmp_path, header, np.add(POINTS, (70.0, 0.0)))
 
 
 def test_points_that_are_missing_are_reported(tmp_path):

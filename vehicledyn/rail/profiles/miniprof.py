@@ -3,9 +3,10 @@
 Lines NAME=VALUE, many of them empty, come before an empty line and the points; a line that opens
 with a quotation mark is a comment. ``ColumnDef`` names the columns, often more than there are;
 X and Y are needed. ``WheelDiameterTaperline`` is the distance of the tape circle from the back of
-the flange, where X is zero on wheels; ``XYPoints`` counts the points. The older layout opens with #MINIWHEELPROF or the like and
-names no columns. A .mpt file holds sections of points in the order of the profile. Commas mark
-decimals where Windows writes them so, and a head that stands still repeats its point.
+the flange, where X is zero on wheels; ``XYPoints`` counts the points. The older layout opens with
+#MINIWHEELPROF or the like and names no columns. A .mpt file holds sections of points in the order
+of the profile. Commas mark decimals where Windows writes them so, and a head that stands still
+repeats its point.
 
 References
 ----------

@@ -136,9 +136,7 @@ class Alignment:
         first, last = self.pieces[0], self.pieces[-1]
         ends = (first, 0), (last, 1)
         before, after = (
-            Piece(
-                _ENDLESS, cant=(p.cant[k],) * 2, left=(p.left[k],) * 2, right=(p.right[k],) * 2
-            )
+            Piece(_ENDLESS, cant=(p.cant[k],) * 2, left=(p.left[k],) * 2, right=(p.right[k],) * 2)
             for p, k in ends
         )
         return [before, *self.pieces, after]
