@@ -54,10 +54,11 @@ def pieces_of(segments: Sequence[SegmentSet], gauge: float) -> tuple[list[Piece]
     pieces = []
     for k, segment in enumerate(segments):
         first, last = _ends(segments, k)
-        bends, *others = zip(first, last, strict=True)
+        bends, cant, left, right = zip(first, last, strict=True)
         if segment.kind == "ramp":
             bends = (min(bends, key=abs),) * 2
-        pieces.append(Piece(segment.length, bends, *others, segment.shape or "linear"))
+        shape = segment.shape or "linear"
+        pieces.append(Piece(segment.length, bends, cant, left, right, shape))
         faults += _transition_faults(k, segment, bends)
     return pieces, [*faults, *_jumps(segments, pieces)]
 
