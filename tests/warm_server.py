@@ -21,6 +21,8 @@ import pydantic
 
 import vehicledyn
 import vehicledyn.cli
+from vehicledyn.base import registry
+from vehicledyn.files.system.kinds import load_kinds
 
 PACKAGES = (
     "h5py", "jinja2", "matplotlib.backends.backend_agg", "matplotlib.backends.backend_svg",
@@ -48,6 +50,10 @@ def load():
         *itertools.chain(*verbs.HOMES.values()),
     ):
         verbs.command_for([verb])
+    load_kinds()
+    for family in registry.families():
+        for kind in registry.kinds(family):
+            registry.find(family, kind)  # made when it is first asked for
     for model in _below(pydantic.BaseModel):
         if model.__module__.startswith("vehicledyn."):
             model.model_rebuild()  # no more than is left to be done

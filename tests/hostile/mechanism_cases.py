@@ -223,11 +223,11 @@ def ground(rng, name):
     road = f"road: {{kind: {kind}, file: {file}{cell}{more}}}"
     text = _iltis().replace("road:\n  kind: flat", road)
     is_file = not more or rng.random() < 0.5
-    files = {
-        "a.yaml": text.encode() if is_file else _yaml(text, rng),
-        file: _lines(content, rng) if is_file else content.encode(),
-    }
-    return Case(name, files, _mostly_validate("a.yaml", rng), yaml_cases.OUTPUTS)
+    scenario = text.encode() if is_file else _yaml(text, rng)
+    content = _lines(content, rng) if is_file else content.encode()
+    command = _mostly_validate("a.yaml", rng)
+    files = {"a.yaml": yaml_cases.lighter(scenario, command), file: content}
+    return Case(name, files, command, yaml_cases.OUTPUTS)
 
 
 def driven(rng, name):
@@ -237,8 +237,8 @@ def driven(rng, name):
     head, _, rest = _iltis().partition("manoeuvre:")
     rest = rest[rest.index("duration:") :]
     text = f"{head}manoeuvre: {manoeuvre}\n{rest}"
-    return Case(name, {"a.yaml": _yaml(text, rng)}, _mostly_validate("a.yaml", rng),
-                yaml_cases.OUTPUTS)  # fmt: skip
+    spoilt, command = _yaml(text, rng), _mostly_validate("a.yaml", rng)
+    return Case(name, {"a.yaml": yaml_cases.lighter(spoilt, command)}, command, yaml_cases.OUTPUTS)
 
 
 def beam(rng, name):

@@ -157,10 +157,10 @@ def opencrg(rng, name):
         "", "", "\n  origin: file", "\n  interpolation: linear",
     ])  # fmt: skip
     scenario = yaml_cases.scenario_texts()["scenarios/iltis_ramp_steer.yaml"].replace(flat, kind)
-    files = {"a.yaml": scenario.encode(), "a.crg": content}
     command = ["run", "a.yaml", "-o", "out.h5", *SHORT]
     if rng.random() < 0.8:
         command = ["validate", "a.yaml"]
+    files = {"a.yaml": yaml_cases.lighter(scenario.encode(), command), "a.crg": content}
     return Case(name, files, command, yaml_cases.OUTPUTS)
 
 
@@ -224,7 +224,8 @@ def tyre(rng, name):
         extra = [word.replace("\0", "") for word in extra]
         return Case(name, files, ["tyre", "a.tir", "-o", "out.csv", *extra], ("out.csv",))
     scenario = yaml_cases.scenario_texts()["scenarios/iltis_ramp_steer.yaml"]
-    files["a.yaml"] = scenario.replace("kind: calspan", "file: a.tir").encode()
     run = ["run", "a.yaml", "-o", "out.h5", *SHORT]
-    return Case(name, files, rng.choice([["validate", "a.yaml"], ["validate", "a.yaml"], run]),
-                yaml_cases.OUTPUTS)  # fmt: skip
+    command = rng.choice([["validate", "a.yaml"], ["validate", "a.yaml"], run])
+    scenario = scenario.replace("kind: calspan", "file: a.tir").encode()
+    files["a.yaml"] = yaml_cases.lighter(scenario, command)
+    return Case(name, files, command, yaml_cases.OUTPUTS)

@@ -115,9 +115,9 @@ def road(rng, name):
     scenario = texts["scenarios/iltis_ramp_steer.yaml"].replace(
         flat, "road:\n  kind: profile\n  file: road.csv"
     )
-    files = {"a.yaml": scenario.encode(), "road.csv": _spoilt(ROAD, rng)}
-    run = ["run", "a.yaml", "-o", "out.h5", *SHORT]
+    content, run = _spoilt(ROAD, rng), ["run", "a.yaml", "-o", "out.h5", *SHORT]
     command = rng.choice([["validate", "a.yaml"], ["validate", "a.yaml"], run])
+    files = {"a.yaml": yaml_cases.lighter(scenario.encode(), command), "road.csv": content}
     return Case(name, files, command, yaml_cases.OUTPUTS)
 
 

@@ -9,6 +9,7 @@ import campaign
 import harness
 import programs
 import pytest
+import watch
 
 pytestmark = pytest.mark.xdist_group("hostile")  # warmed up once
 
@@ -48,9 +49,14 @@ def test_cases_follow_from_their_numbers():
         ("import pathlib; pathlib.Path('rest.tmp').write_text('')", "leaves rest.tmp"),
         ("import warnings; warnings.warn('no')", "a warning of Python's"),
         ("x = b'1' * (200 << 20); del x", "MiB of memory"),
+        ("import time; time.sleep(99)", "hangs"),
+        ("import os; os.fork() or __import__('time').sleep(99); os.wait()", "hangs"),
     ],
 )
 def test_the_harness_sees_faults(monkeypatch, program, fault):
+    monkeypatch.setattr(watch, "LOOK_SECONDS", 0.05)
+    monkeypatch.setattr(watch, "ASLEEP_SECONDS", 0.3)
+
     def call(_):
         try:
             exec(program)
@@ -62,6 +68,17 @@ def test_the_harness_sees_faults(monkeypatch, program, fault):
     monkeypatch.setattr(harness, "MOST_MEMORY", 300 << 20)
     outcome = harness.run_alone(harness.Case("fault", {}, []))
     assert any(fault in found for found in outcome.faults), outcome
+
+
+@pytest.mark.parametrize("wait", ["", "os.fork() and (os.wait(), os._exit(0))"])
+def test_what_wants_the_processor_does_not_hang(monkeypatch, wait):
+    """However long it takes to get it; its own children may do the work."""
+    busy = "while time.process_time() < end: pass"
+    program = f"import os, time\n{wait}\nend = time.process_time() + 0.5\n{busy}"
+    monkeypatch.setattr(watch, "LOOK_SECONDS", 0.02)
+    monkeypatch.setattr(watch, "ASLEEP_SECONDS", 0.3)
+    monkeypatch.setattr(harness, "call", lambda _: exec(program) or 0)
+    assert harness.run_alone(harness.Case("busy", {}, [])).faults == []
 
 
 def test_cases_in_company_are_as_alone(monkeypatch, tmp_path):

@@ -28,7 +28,12 @@ _STUDIES = (STUDY, HUNT)
 
 
 def check_replacing(
-    output: Path, kind: str, *, overwrite: bool = False, resume: bool = False
+    output: Path,
+    kind: str,
+    *,
+    overwrite: bool = False,
+    resume: bool = False,
+    goes_on_by: str = "",
 ) -> None:
     """Refuse to replace a file that the verb cannot compute again in one go.
 
@@ -45,6 +50,8 @@ def check_replacing(
         Whether the user allows to replace any result.
     resume
         Whether the user goes on with what is there.
+    goes_on_by
+        Option by which the verb goes on with an unfinished run, empty for one that cannot.
 
     Raises
     ------
@@ -59,7 +66,7 @@ def check_replacing(
 
     check_output(output)
     facts = _facts(output)
-    reason = _reason(output, kind, facts)
+    reason = _reason(output, kind, facts, goes_on_by)
     if reason:
         raise InputError(f"{output}: {reason}; choose another output with -o, or use --overwrite")
     if not is_quiet():
@@ -71,7 +78,7 @@ def is_same(one: Path | None, other: Path) -> bool:
     return one is not None and one.resolve() == other.resolve()
 
 
-def _reason(output: Path, kind: str, facts: dict[str, str]) -> str:
+def _reason(output: Path, kind: str, facts: dict[str, str], goes_on_by: str) -> str:
     """Return why a file is kept, empty if it may be replaced."""
     from vehicledyn.results.compare.table_compare import KINDS
 
@@ -83,7 +90,8 @@ def _reason(output: Path, kind: str, facts: dict[str, str]) -> str:
     if kind in _STUDIES:
         return "holds a study; --resume goes on with it"
     if facts["status"] in ("running", "interrupted"):
-        return f"holds an unfinished run; '--restart {output}' goes on with it"
+        advice = f"; '{goes_on_by} {output}' goes on with it" if goes_on_by else ""
+        return f"holds an unfinished run{advice}"
     return ""
 
 

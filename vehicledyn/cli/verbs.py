@@ -195,7 +195,12 @@ def run(
 
     listen(quiet=quiet, verbose=verbose)
     result = output or Path(f"{scenario.stem}.h5")
-    check_replacing(result, RUN, overwrite=overwrite or is_same(restart, result))
+    check_replacing(
+        result,
+        RUN,
+        overwrite=overwrite or is_same(restart, result),
+        goes_on_by="--restart",
+    )
     folder = None if no_plots else plots or result.parent / f"{result.stem}_plots"
     data = perform(
         simulate,

@@ -373,7 +373,8 @@ def numeric(inputs: list[Any], output: Any) -> Callable[..., NDArray[np.float64]
     """Return a function of plain arrays that evaluates an SX matrix.
 
     ``inputs`` are columns of symbols, none at all for an expression of numbers; the result is
-    a float array of the shape of ``output``.
+    a float array of the shape of ``output``. Where arrays hold several columns for the one of an
+    input, the output of each stands beside that of the one before.
     """
     import casadi
     import numpy

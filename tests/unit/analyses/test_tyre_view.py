@@ -12,6 +12,7 @@ from vehicledyn.analyses.tyres.fit import fit_tyre
 from vehicledyn.base.errors import InputError
 from vehicledyn.road.tyre_files.tyre_file import read_tyre_file
 from vehicledyn.road.tyres.tyre_of_file import TyreOfFile
+from vehicledyn.symbolic import ops
 
 MF61, PAC = "passenger_R0394_mf61.tir", "passenger_235_60R16_pac2002.tir"
 
@@ -77,6 +78,20 @@ def test_fit_finds_the_coefficients_again(measured, tmp_path):
     written = read_tyre_file(tmp_path / "new.tir").values
     assert written["PDY1"] == pytest.approx(found.fitted[0].value, rel=1e-9)
     assert (tmp_path / "fit_lateral_force.png").exists()
+
+
+def test_a_fit_evaluates_all_rows_at_once(measured, monkeypatch):
+    """A call for each row took minutes for the tables that test rigs write."""
+    calls, numeric = [], ops.numeric
+
+    def counting(*expressions):
+        function = numeric(*expressions)
+        return lambda *values: calls.append(1) or function(*values)
+
+    monkeypatch.setattr(ops, "numeric", counting)
+    fit_tyre(MF61, measured, names=["PDY1"])
+    force_function(TyreOfFile(file=MF61), 16.7)(np.full((500, 4), 0.01))
+    assert len(calls) < 100
 
 
 def test_fits_that_cannot_be(measured, tmp_path):

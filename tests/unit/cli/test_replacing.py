@@ -39,8 +39,8 @@ def test_results_that_ended_are_replaced_and_said_so(result, capsys, kind, statu
 @pytest.mark.parametrize(
     ("found", "wanted", "status", "words"),
     [
-        (RUN, RUN, "interrupted", "holds an unfinished run; '--restart .*' goes on"),
-        (RUN, RUN, "running", "holds an unfinished run"),
+        (RUN, RUN, "interrupted", "holds an unfinished run;"),
+        (RUN, RUN, "running", "holds an unfinished run;"),
         (STUDY, STUDY, "ok", "holds a study; --resume goes on with it"),
         (HUNT, HUNT, "ok", "holds a study; --resume goes on with it"),
         (STUDY, RUN, "ok", "holds a sweep, not a run"),
@@ -53,6 +53,14 @@ def test_everything_else_is_kept(result, found, wanted, status, words):
     with pytest.raises(InputError, match=f"{words}.*choose another output with -o, or use --over"):
         check_replacing(path, wanted)
     check_replacing(path, wanted, overwrite=True)
+
+
+def test_unfinished_runs_are_gone_on_with_where_the_verb_can(result):
+    path = result(RUN, "running")
+    with pytest.raises(InputError, match="unfinished run; '--restart .*' goes on with it; choose"):
+        check_replacing(path, RUN, goes_on_by="--restart")
+    with pytest.raises(InputError, match="unfinished run; choose another output"):
+        check_replacing(path, RUN)
 
 
 def test_unreadable_results_are_kept(tmp_path):

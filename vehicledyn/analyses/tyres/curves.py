@@ -150,7 +150,7 @@ def force_function(tyre: Tyre, speed: float) -> Callable[[Array], Array]:
     found = tyre.forces(TyreInput(load, slip, angle, camber, speed))
     column = ops.column([getattr(found, name) for name in list(COLUMNS)[4:]])
     function = ops.numeric(symbols, column)
-    return lambda felt: np.array([function(*row)[:, 0] for row in felt])
+    return lambda felt: function(*felt.T[:, None]).T
 
 
 def _facts(tyre: FileTyre, table: TyreTable) -> dict[str, Any]:

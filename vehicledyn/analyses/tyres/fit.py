@@ -199,7 +199,8 @@ class _Problem:
     def __init__(
         self, tyre: FileTyre, names: list[str], felt: Array, measured: dict[str, Array]
     ) -> None:
-        self.names, self._felt, self._measured = names, felt, measured
+        self.names, self._measured = names, measured
+        self._rows = [column[None] for column in felt.T]
         self._scales = {n: max(float(np.abs(v).max()), 1e-9) for n, v in measured.items()}
         inputs = [ops.symbol(name) for name in _INPUTS]
         symbols = ops.column([ops.symbol(name) for name in names])
@@ -212,8 +213,8 @@ class _Problem:
 
     def forces(self, values: Array) -> dict[str, Array]:
         """Return the forces of the law at the measured points."""
-        found = np.array([self._value(*row, values)[:, 0] for row in self._felt])
-        return dict(zip(self._measured, found.T, strict=True))
+        found = self._value(*self._rows, values)
+        return dict(zip(self._measured, found, strict=True))
 
     def differences(self, values: Array) -> list[Array]:
         """Return law less measurement, by force."""
@@ -226,9 +227,9 @@ class _Problem:
 
     def jacobian(self, values: Array) -> Array:
         """Return the derivatives of :meth:`residuals`."""
-        slopes = np.array([self._slope(*row, values) for row in self._felt])
-        scales = self._scales.values()
-        return np.concatenate([slopes[:, k, :] / scale for k, scale in enumerate(scales)])
+        slopes = self._slope(*self._rows, values)
+        parts = zip(slopes, self._scales.values(), strict=True)
+        return np.concatenate([part.reshape(-1, len(values)) / scale for part, scale in parts])
 
     def solve(self, start: Array, source: str) -> tuple[Array, Array]:
         """Return the best values and half the widths of their confidence intervals."""

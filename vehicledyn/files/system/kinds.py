@@ -1,5 +1,6 @@
 """All kinds of parts of system files, loaded only when a system file is read."""
 
+from functools import cache
 from pathlib import Path
 
 import vehicledyn.multibody.elements
@@ -14,6 +15,12 @@ def load_kinds() -> None:
 
     Only what needs them does so: runs of the vehicles of the catalogue start quicker without.
     """
-    discover("vehicledyn.files.system", [str(Path(__file__).parent)])
+    _enter_own()
     announce_joints()
     announce_elements()
+
+
+@cache
+def _enter_own() -> None:
+    """Read the modules of this package once; who adds kinds of their own registers them."""
+    discover("vehicledyn.files.system", [str(Path(__file__).parent)])
