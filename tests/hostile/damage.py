@@ -5,7 +5,8 @@ import shutil
 from pathlib import Path
 
 import numpy as np
-from harness import Case, start
+from harness import Case
+from starting import start
 
 ROOT = Path(__file__).parents[2]
 SYSTEMS = ROOT / "systems"

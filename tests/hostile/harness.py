@@ -180,7 +180,7 @@ def write(files, folder):
     """
     base = str(folder)
     for name in {name.rpartition("/")[0] for name in files}:
-        os.makedirs(f"{base}/{name}", exist_ok=True)
+        os.makedirs(f"{base}/{name}", exist_ok=True)  # noqa: PTH103
     for name, content in files.items():
         if callable(content):
             content(folder / name)
@@ -195,7 +195,7 @@ def _listed(folder):
     """Return the names of all files and links below a folder."""
     base, found = len(f"{folder}/"), set()
     for place, below, names in os.walk(folder):
-        links = [name for name in below if os.path.islink(f"{place}/{name}")]
+        links = [name for name in below if (Path(place) / name).is_symlink()]
         found.update(f"{place}/{name}"[base:] for name in (*names, *links))
     return found
 
@@ -289,41 +289,6 @@ def call(command):
         return 1
     finally:
         sys.argv = argv
-
-
-class start:  # noqa: N801
-    """A forked process that calls the program, changed first; it and its children end together."""
-
-    def __init__(self, folder, command, change=None):
-        sys.stdout.flush()
-        sys.stderr.flush()
-        self.number = os.fork()
-        if self.number == 0:
-            code = 99
-            try:
-                os.setpgid(0, 0)
-                os.chdir(folder)
-                nothing = os.open(os.devnull, os.O_RDWR)
-                for stream in range(3):
-                    os.dup2(nothing, stream)
-                if change is not None:
-                    change()
-                code = call(command)
-            finally:
-                os._exit(code)
-        with contextlib.suppress(OSError):
-            os.setpgid(self.number, self.number)
-
-    def wait(self):
-        """Return the exit code."""
-        _, status = os.waitpid(self.number, 0)
-        return os.waitstatus_to_exitcode(status)
-
-    def kill(self):
-        """Kill the process and its children."""
-        with contextlib.suppress(ProcessLookupError):
-            os.killpg(self.number, signal.SIGKILL)
-        os.waitpid(self.number, 0)
 
 
 def _faults(outcome, folder):

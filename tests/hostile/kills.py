@@ -1,9 +1,11 @@
 """Kills commands at random times and says what must not have been lost, or be taken for whole.
 
+Half of the kills leave it to the command's own workers to end. Only those count that it did not
+forestall by ending itself.
+
 By hand: ``python tests/hostile/kills.py 200 [run sweep hunt ...]``.
 """
 
-import contextlib
 import shutil
 import sys
 import tempfile
@@ -14,8 +16,8 @@ from pathlib import Path
 
 import numpy as np
 from damage import SCENARIO, STUDY, SYSTEMS
-from harness import start
 from mechanism_cases import CAM, STUDIES
+from starting import start
 from table_cases import LAYOUT, MOTION
 
 LOST = 1.0  # s
@@ -23,6 +25,8 @@ SAME = (".c", ".h", ".csv", ".json", ".dxf", ".yaml")
 """Files that are the same whenever they are written."""
 KEPT = (".checkpoint", ".runs.jsonl", ".iterate.npz")
 """Endings of what a computation goes on from, behind the name of its result."""
+REFUSED = 2
+ORPHANED = 20  # s
 SLOW = 2.5  # how much slower a busy machine may be
 
 
@@ -31,6 +35,7 @@ class Victim:
     """A command, the file it writes, how it goes on with what a kill left, further files.
 
     ``codes`` are the exit codes of the whole: a search for a motion may end without an optimum.
+    ``close`` are the bounds of what a search may find that goes on from where it was.
     """
 
     name: str
@@ -39,6 +44,7 @@ class Victim:
     go_on: list = field(default_factory=list)
     beside: tuple = ()
     codes: tuple = (0, 1)
+    close: tuple = ()
 
 
 VICTIMS = [
@@ -51,10 +57,15 @@ VICTIMS = [
         ["--resume"],
     ),
     Victim(
+        "sweep of two", ["sweep", "study.yaml", "--workers", "2", "-q", "-o", "s.h5"], "s.h5",
+        ["--resume"],
+    ),
+    Victim(
         "hunt",
         ["hunt", str(SYSTEMS / "simple_wheelset.yaml"), "--from", "50 m/s", "--to", "70 m/s",
          "--points", "12", "--no-simulation", "--no-plots", "-o", "h.h5"], "h.h5", ["--resume"],
     ),
+    Victim("equilibrium", ["equilibrium", "short.yaml", "-o", "b.h5"], "b.h5"),
     Victim("report", ["report", "short.h5", "-o", "p.html"], "p.html"),
     Victim("animate", ["animate", "short.h5", "-o", "a.html"], "a.html"),
     Victim("plot", ["plot", "short.h5", "-o", "figures"], "figures"),
@@ -107,6 +118,7 @@ VICTIMS = [
         beside=("e.h",),
     ),
     Victim("export FMU", ["export", "short.yaml", "--to", "fmu", "-o", "fmus"], "fmus"),
+    Victim("tyre", ["tyre", "passenger_R0394_mf61.tir", "-o", "g.h5"], "g.h5"),
     Victim("table", ["export-data", "short.h5", "-o", "e.csv"], "e.csv"),
     Victim("schema", ["schema", "-o", "e.json"], "e.json"),
     Victim("init", ["init", "project"], "project"),
@@ -148,16 +160,19 @@ class Campaign:
         start(self._folder, ["run", "short.yaml", "--no-plots", "-q", "-o", "short.h5"]).wait()
 
     def kill(self, victim, *, go_on):
-        """Kill a command once; return what is wrong with what it left."""
+        """Kill a command once, begun again where it ended too soon; return what is wrong then."""
         if victim.name not in self._seconds:
             self._measure(victim)
-        folder = self._copy()
-        process = start(folder, victim.command)
-        time.sleep(self._random.uniform(0.0, self._seconds[victim.name]))
-        at = time.time()
-        process.kill()
-        faults = list(self._faults(victim, folder, at))
-        if go_on and victim.go_on and not faults:
+        while True:
+            folder = self._copy()
+            process = start(folder, victim.command)
+            time.sleep(self._random.uniform(0.0, self._seconds[victim.name]))
+            at = time.time()
+            if process.kill(with_children=self._random.random() < 0.5):
+                break
+            shutil.rmtree(folder, ignore_errors=True)
+        faults = list(_orphans(process)) + list(self._faults(victim, folder, at))
+        if go_on and not faults:
             faults += self._gone_on(victim, folder)
         shutil.rmtree(folder, ignore_errors=True)
         return faults
@@ -234,26 +249,44 @@ class Campaign:
             yield str(error)
 
     def _gone_on(self, victim, folder):
-        path = folder / victim.output
-        if not path.exists() and not any(Path(f"{path}{end}").exists() for end in KEPT):
-            return
-        from vehicledyn.results.store.reader import open_result
-
-        if victim.name == "run":
-            with open_result(path) as result:
-                if result.is_whole or not len(result.time):
-                    return
-        code = start(folder, [*victim.command, *victim.go_on]).wait()
+        """Go on with what was left, or begin again where that cannot be, and compare the ends."""
+        path, whole = folder / victim.output, self._whole[victim.name]
+        words = victim.go_on if self._is_begun(victim, path) else []
+        code = start(folder, [*victim.command, *words]).wait()
+        if code == REFUSED and not words:
+            code = start(folder, [*victim.command, "--overwrite"]).wait()  # an unfinished run
         if code not in victim.codes:
             yield f"cannot be continued: exit code {code}"
             return
-        shutil.copy(self._whole[victim.name], folder / "whole.h5")
-        if victim.name in ("hunt", "optimise", "optimise-manoeuvre", "identify", "uncertainty"):
+        yield from self._faults(victim, folder, time.time())
+        left = [end for end in KEPT if Path(f"{path}{end}").exists()]
+        missing = [name for name in (victim.output, *victim.beside) if not (folder / name).exists()]
+        if left or missing:
+            yield f"leaves {left} and lacks {missing} when it has gone on"
+        if path.suffix == ".h5":
+            shutil.copy(whole, folder / "whole.h5")
+            if start(folder, ["compare", path.name, "whole.h5", *victim.close]).wait():
+                yield "differs from a run in one piece"
+
+    def _is_begun(self, victim, path):
+        """Return whether there is something to go on with."""
+        from vehicledyn.results.store.reader import open_result
+
+        if victim.name == "run" and path.exists():
+            with open_result(path) as result:
+                return not result.is_whole and len(result.time) > 0
+        return path.exists() or any(Path(f"{path}{end}").exists() for end in KEPT)
+
+
+def _orphans(process):
+    """Yield whether processes outlive the one that started them."""
+    end = time.monotonic() + ORPHANED
+    while process.has_children():
+        if time.monotonic() > end:
+            process.kill_children()
+            yield f"its workers live on for {ORPHANED} s"
             return
-        with contextlib.suppress(FileNotFoundError):
-            code = start(folder, ["compare", path.name, "whole.h5"]).wait()
-        if code:
-            yield "differs from a run in one piece"
+        time.sleep(0.05)
 
 
 def main():

@@ -4,8 +4,8 @@ By hand with more of them: ``python tests/hostile/kills.py 200``.
 """
 
 import pytest
-from harness import start
 from kills import VICTIMS, Campaign
+from starting import start
 
 pytestmark = pytest.mark.xdist_group("hostile")  # warmed up once
 
