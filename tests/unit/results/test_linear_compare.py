@@ -13,6 +13,7 @@ from vehicledyn.results.compare.tolerances import Tolerances
 from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.results.tables.hunt_table import CycleRow, HuntTable, SimulatedRow, write_hunt
 from vehicledyn.results.tables.response_table import ResponseTable, write_response
+from vehicledyn.results.tables.uncertainty_table import UncertaintyTable, write_uncertainty
 
 SPEED, SHIFT = Quantity("speed", "m/s", "Speed"), Quantity("y", "m", "Lateral shift")
 
@@ -57,6 +58,22 @@ def test_changes_that_a_title_names_are_reported(reference, tmp_path):
     assert found.notes == (
         "title is 'A wheelset, changed: k = 1 N/m', in the reference 'A wheelset'",
     )
+
+
+def test_how_results_came_about_is_told_and_no_difference(tmp_path):
+    """A study that went on after a kill knows runs from before; its numbers are the same."""
+    mass, roll = Quantity("mass", "kg", "Mass"), Quantity("roll", "rad", "Roll")
+    one, paths = np.ones(1), [tmp_path / "gone_on.h5", tmp_path / "whole.h5"]
+    for path, notes in zip(paths, (("3 runs were known",), ("slow",)), strict=True):
+        table = UncertaintyTable(
+            "Scatter", "sobol", 1, (mass,), (roll,), one, one, one, one, one[None], one[None],
+            one[None], one[None], (), notes,
+        )  # fmt: skip
+        write_uncertainty(path, table)
+    found = compare_tables(*paths, tolerances=Tolerances(0.0))
+    assert found.verdict == "equal"
+    assert "note: only the result notes: 3 runs were known" in found.as_text()
+    assert "note: only the reference notes: slow" in found.as_text()
 
 
 def test_infinite_parts_of_complex_numbers_stay_apart(tmp_path):

@@ -61,6 +61,8 @@ _ENDS = "_real", "_imag"
 _OF_ANY_LENGTH = ("cycle_direction",)
 """Directions whose length and sign mean nothing."""
 _ENDING = "status"
+_HOW = "notes"
+"""Texts on how a result came about, such as how many runs were known from before a kill."""
 
 
 def other_kinds(result: Path, reference: Path) -> str:
@@ -218,7 +220,8 @@ def _texts_differ(
         yield "{}, the reference is {}".format(*endings)
     texts = [_texts(file) for file in (ours, theirs)]
     for name in texts[1]:
-        if _is_chosen(name, patterns) and texts[0].get(name) != texts[1][name]:
+        is_wanted = name != _HOW and _is_chosen(name, patterns)
+        if is_wanted and texts[0].get(name) != texts[1][name]:
             yield f"other names in '{name}'"
 
 
@@ -235,8 +238,11 @@ def _texts(file: h5py.File) -> dict[str, list[str]]:
 
 
 def _notes(ours: h5py.File, theirs: h5py.File) -> Iterator[str]:
-    """Yield by what two files differ before any number: model and title, which names changes."""
+    """Yield by what two files differ before any number: model and title, which names changes; and notes."""
     for name in ("model", "title"):
         texts = [str(file.attrs.get(name, "")) for file in (ours, theirs)]
         if texts[0] != texts[1]:
             yield f"{name} is '{texts[0]}', in the reference '{texts[1]}'"
+    own, other = (_texts(file).get(_HOW, []) for file in (ours, theirs))
+    yield from (f"only the result notes: {text}" for text in own if text not in other)
+    yield from (f"only the reference notes: {text}" for text in other if text not in own)
