@@ -57,7 +57,7 @@ def test_everything_else_is_kept(result, found, wanted, status, words):
 
 def test_unfinished_runs_are_gone_on_with_where_the_verb_can(result):
     path = result(RUN, "running")
-    with pytest.raises(InputError, match="unfinished run; '--restart .*' goes on with it; choose"):
+    with pytest.raises(InputError, match=r"unfinished run; '--restart .*' goes on with it; choose"):
         check_replacing(path, RUN, goes_on_by="--restart")
     with pytest.raises(InputError, match="unfinished run; choose another output"):
         check_replacing(path, RUN)
