@@ -205,6 +205,11 @@ class Campaign:
         for file in [*files, *(folder / name for name in victim.beside)]:
             if file.is_file() and not file.name.startswith("."):
                 yield from self._cut_off(file, self._whole[victim.name].parent, folder)
+        kept = [place for end in KEPT if (place := Path(f"{path}{end}")).exists()]
+        if kept:
+            lost = at - max(place.stat().st_mtime for place in kept)
+            if lost > SLOW * LOST:
+                yield f"the last {lost:.1f} s of what it goes on from are lost"
         if path.is_file() and path.suffix == ".h5":
             yield from self._faults_of_result(victim, path, at)
 
