@@ -238,7 +238,7 @@ def _texts(file: h5py.File) -> dict[str, list[str]]:
 
 
 def _notes(ours: h5py.File, theirs: h5py.File) -> Iterator[str]:
-    """Yield by what two files differ before any number: model, notes, title, which names changes."""
+    """Yield by what two files differ before numbers: model, notes, title, which names changes."""
     for name in ("model", "title"):
         texts = [str(file.attrs.get(name, "")) for file in (ours, theirs)]
         if texts[0] != texts[1]:
