@@ -41,8 +41,7 @@ class KeptRuns:
         if path is not None and path.exists():
             check_regular(path)
             if resume:
-                self._read(path, self._head)
-                self._begun = True
+                self._begun = self._read(path, self._head)
         self.n_known = len(self._known)
 
     def entry(self, run: Any, compute: Callable[[], dict[str, Any]]) -> dict[str, Any]:
@@ -76,9 +75,14 @@ class KeptRuns:
         except OSError as error:
             raise InputError(f"{path}: cannot be written: {error.strerror}") from None
 
-    def _read(self, path: Path, head: str) -> None:
-        """Read what is known; a line that is damaged or was cut short is computed again."""
+    def _read(self, path: Path, head: str) -> bool:
+        """Read what is known; a line that is damaged or was cut short is computed again.
+
+        Return whether there is more than what a kill leaves of the first line.
+        """
         text = read_regular(path, _LARGEST).decode(errors="replace")
+        if head.startswith(text):
+            return False
         lines = text.splitlines()
         if lines[:1] != [head]:
             raise InputError(f"{path}: holds runs of another study; start anew without resuming")
@@ -92,6 +96,7 @@ class KeptRuns:
                 continue
         if not text.endswith("\n"):
             self._write(path, "\n", "a")
+        return True
 
 
 def _digest(texts: Iterable[str]) -> str:

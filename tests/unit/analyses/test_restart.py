@@ -185,6 +185,23 @@ def test_a_killed_run_goes_on_into_its_own_file(tmp_path, text, most):
     assert not list(tmp_path.glob(".*.new"))
 
 
+@pytest.mark.parametrize("text", [PLAIN, STIFF])
+def test_a_run_that_is_stopped_as_it_goes_on_can_go_on_again(tmp_path, text, monkeypatch):
+    """It holds what the method goes on with from the first moment on."""
+    run(tmp_path, text, "whole.h5")
+    run(tmp_path, text, "first.h5", "duration=0.4 s")
+
+    def stopped(*_, **__):
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patched:
+        patched.setattr(simulation, "simulate_watched", stopped)
+        assert run(tmp_path, text, "second.h5", restart="first.h5").status == "interrupted"
+    outcome = run(tmp_path, text, "second.h5", restart="second.h5")
+    assert "accuracy of the method" not in " ".join(outcome.messages)
+    assert_same(tmp_path / "whole.h5", tmp_path / "second.h5")
+
+
 @pytest.mark.parametrize("text", [PLAIN, LOOPED])
 def test_a_run_that_was_killed_at_its_very_end_is_completed(tmp_path, text, monkeypatch):
     run(tmp_path, text, "whole.h5", "duration=0.4 s")

@@ -39,3 +39,13 @@ def test_runs_of_another_study_are_refused(tmp_path):
     path.write_text(json.dumps({"study": "another"}) + "\n", encoding="utf-8")
     with pytest.raises(InputError, match="holds runs of another study"):
         kept(path)
+
+
+@pytest.mark.parametrize("length", [0, 1, 30])
+def test_what_a_kill_leaves_of_the_first_line_is_no_other_study(tmp_path, length):
+    path = tmp_path / "out.h5.runs.jsonl"
+    kept(path, resume=False).entry([0], lambda: {"value": 1})
+    path.write_bytes(path.read_bytes()[:length])
+    again = kept(path)
+    assert again.entry([0], lambda: {"value": 2})["value"] == 2
+    assert kept(path).n_known == 1

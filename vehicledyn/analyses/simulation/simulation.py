@@ -239,6 +239,9 @@ class _Run:
     def _take_known(self, writer: ResultWriter, known: Restart) -> None:
         """Take over the samples and events of the result that is gone on from."""
         self.notes.append(known.remark)
+        begun = known.beginning
+        if begun.history is not None:  # a kill before the next sample must not lose it
+            writer.note(History(begun.time, begun.history))
         for times, states, unknowns, outputs in known.blocks(self.prepared, self.kept):
             self._take(writer, times, states, unknowns, outputs)
         for event in known.events:
