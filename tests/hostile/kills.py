@@ -126,7 +126,7 @@ VICTIMS = [
     ),
     Victim(
         "handling", ["handling", "small_car", "-o", "y.h5", "--report", "y.html"], "y.h5",
-        beside=("y.html",),
+        ["--resume"], beside=("y.html",),
     ),
     Victim(
         "export C", ["export", "double_pendulum.yaml", "--to", "c", "-o", "e.c"], "e.c",

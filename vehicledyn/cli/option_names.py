@@ -14,6 +14,7 @@ _OPTIONS = {
     "last": "--to",
     "certificates": "--tls",
     "cases": "--set",
+    "save_to": "--output",
     "to": "--to",
 }
 """Options of other names than their arguments."""

@@ -77,6 +77,7 @@ def handling(
     set: Settings | None = None,
     save_to: str | Path | None = None,
     overwrite: bool = False,
+    resume: bool = False,
     backend: Backend = "auto",
     progress: Progress = False,
     **settings: Any,
@@ -90,6 +91,8 @@ def handling(
         returned; a scenario's own manoeuvre is left out.
     set, settings, save_to, overwrite, backend, progress
         As for :func:`vehicledyn.simulate`.
+    resume
+        Whether to go on with tests that were killed on their way to ``save_to``.
 
     Returns
     -------
@@ -100,16 +103,19 @@ def handling(
     Raises
     ------
     InputError
-        If the model is no road vehicle on free wheels.
+        If the model is no road vehicle on free wheels, or there is nothing to go on with.
     NumericalError
         If the car does not run straight.
     """
     from vehicledyn.analyses.handling.handling import handling_table
+    from vehicledyn.analyses.handling.kept_drives import KeptDrives
     from vehicledyn.analyses.handling.report import HandlingReport
     from vehicledyn.results.tables.handling_table import write_handling
 
     target = read_target(car, override_texts(set, settings))
-    with result_place(save_to, may_exist=overwrite) as place:
-        table = handling_table(target, backend=backend, progress=reporter(progress))
-        write_handling(place.path, table)
+    with result_place(save_to, may_exist=overwrite or resume) as place:
+        with KeptDrives(None if save_to is None else place.path, resume=resume) as kept:
+            table = handling_table(target, backend=backend, progress=reporter(progress), kept=kept)
+            write_handling(place.path, table, is_locked=save_to is not None)
+            kept.forget()
         return place.value(HandlingReport(table))

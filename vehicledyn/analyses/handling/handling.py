@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Iterator
 from dataclasses import replace
 
+from vehicledyn.analyses.handling.kept_drives import KeptDrives
 from vehicledyn.analyses.handling.lane_changes import run_lane_changes
 from vehicledyn.analyses.handling.standard_tests import StandardTests
 from vehicledyn.analyses.handling.steady import SteadyWish, steady_sheets
 from vehicledyn.analyses.handling.steady_turn import solver_for
 from vehicledyn.analyses.handling.tested_car import CONTROL, TestedCar
 from vehicledyn.analyses.preparation.prepared import Progress
+from vehicledyn.base.version import VERSION
 from vehicledyn.files.scenario.target import Target
 from vehicledyn.kernel.make_kernel import Backend
 from vehicledyn.results.tables.handling_table import HandlingTable, KeyFigure
 from vehicledyn.road.manoeuvres.driving_test import DrivingTest
 
 
-def handling_table(target: Target, *, backend: Backend, progress: Progress) -> HandlingTable:
+def handling_table(
+    target: Target, *, backend: Backend, progress: Progress, kept: KeptDrives | None = None
+) -> HandlingTable:
     """Return the key figures and curves of all handling tests of a car.
 
     Parameters
@@ -26,16 +31,21 @@ def handling_table(target: Target, *, backend: Backend, progress: Progress) -> H
         A scenario or model of a road vehicle; its own manoeuvre is left out.
     backend, progress
         As for a run.
+    kept
+        Where drives are kept as they come, and known from, if anywhere.
 
     Raises
     ------
     InputError
-        If the model is no road vehicle on free wheels.
+        If the model is no road vehicle on free wheels, or what is kept is another car's.
     NumericalError
         If the car does not run straight.
     """
     test = DrivingTest(speed_control=CONTROL)
     car = TestedCar(target, backend=backend, progress=progress, test=test)
+    if kept is not None:
+        car.kept = kept
+        kept.begin(_identity(car))
     progress("finding straight running", None)
     solver = solver_for(car)
     steady = steady_sheets(solver, SteadyWish(limits=False), progress)
@@ -52,6 +62,12 @@ def handling_table(target: Target, *, backend: Backend, progress: Progress) -> H
         figures=[*_conditions(car), *steady.figures, *tests.figures],
         notes=tuple(notes),
     )
+
+
+def _identity(car: TestedCar) -> str:
+    """Return a text that is equal for cars whose tests give the same."""
+    facts = "".join([VERSION, car.digest, repr(car.kernel.parameters.tolist())])
+    return hashlib.sha256(facts.encode()).hexdigest()
 
 
 def _conditions(car: TestedCar) -> Iterator[KeyFigure]:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from vehicledyn.analyses.handling.kept_drives import Drive
 from vehicledyn.analyses.handling.tested_car import CarPoint, TestedCar
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.base.registry import find
@@ -77,14 +79,34 @@ def drive(
     """
     car.kernel.set_parameters(start.parameters)
     car.set({**test.settings_for(car.vehicle), **(changes or {})})
-    samples, ended_by = _Samples(), ""
     whole = round(duration / INTERVAL) * INTERVAL
+    key = _key(car, start, whole)
+    driven = car.kept.recall(key)
+    if driven is None:
+        driven = _driven(car, start, whole)
+        car.kept.keep(key, driven)
+    channels = {name: driven.outputs[:, k] for name, k in car.channel.items()}
+    recording = Recording(driven.times, channels)
+    signals = Signals.of(driven.times, channels, car.vehicle.chassis)
+    return DrivenTest(test, recording, signals, driven.ended_by)
+
+
+def _key(car: TestedCar, start: CarPoint, duration: float) -> bytes:
+    """Return what tells a drive apart: equations, parameters, start and duration."""
+    numbers = (car.kernel.parameters, start.state, start.unknowns, np.array([duration]))
+    parts = (car.digest.encode(), *(values.tobytes() for values in numbers))
+    return hashlib.sha256(b"".join(parts)).digest()
+
+
+def _driven(car: TestedCar, start: CarPoint, duration: float) -> Drive:
+    """Return what the car does from its start with the parameters that are set."""
+    samples, ended_by = _Samples(), ""
     try:
         statistics = simulate(
             car.kernel,
             find("solver", "rk4")(step=STEP),
             start=0.0,
-            stop=whole,
+            stop=duration,
             state=start.state,
             unknowns=start.unknowns,
             interval=INTERVAL,
@@ -94,10 +116,7 @@ def drive(
         ended_by = statistics.ended_by or ""
     except NumericalError as error:
         ended_by = str(error)
-    time, outputs = np.concatenate(samples.times), np.vstack(samples.outputs)
-    channels = {name: outputs[:, k] for name, k in car.channel.items()}
-    recording = Recording(time, channels)
-    return DrivenTest(test, recording, Signals.of(time, channels, car.vehicle.chassis), ended_by)
+    return Drive(np.concatenate(samples.times), np.vstack(samples.outputs), ended_by)
 
 
 def figures_of(car: TestedCar, name: str, run: DrivenTest) -> list[KeyFigure]:

@@ -6,6 +6,7 @@ serves steady states and all open-loop tests.
 
 from __future__ import annotations
 
+import hashlib
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -14,11 +15,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.analyses.handling.kept_drives import KeptDrives
 from vehicledyn.analyses.preparation.build_model import build_tested
 from vehicledyn.analyses.preparation.prepare import equilibrium_point, prepare
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress
 from vehicledyn.analyses.preparation.road_runnable import RoadSubject
 from vehicledyn.base.errors import InputError
+from vehicledyn.codegen.toolchain.fingerprint import fingerprint
 from vehicledyn.files.scenario.target import Target
 from vehicledyn.kernel.engine import Ledger
 from vehicledyn.kernel.make_kernel import Backend
@@ -84,6 +87,7 @@ class TestedCar:
         self.kernel, self.equations = self.prepared.kernel, self.prepared.equations
         self.has_slippery_side = _feel_friction(self.prepared.subject)  # type: ignore[arg-type]
         self.control = CONTROL
+        self.kept = KeptDrives(None, resume=False)
         self._places = {p.name: k for k, p in enumerate(self.equations.parameters)}
         self._states = {s.name: k for k, s in enumerate(self.equations.states)}
         self.channel = {c.name: k for k, c in enumerate(self.equations.channels)}
@@ -97,6 +101,12 @@ class TestedCar:
     def steering_ratio(self) -> float:
         """Steering-wheel angle over that of the front wheels; 1 where there is no wheel."""
         return self.worth(self.vehicle.steering_ratio)
+
+    @cached_property
+    def digest(self) -> str:
+        """Digest of the equations and the tables that they look up."""
+        tables = [table.digest for table in self.equations.tables]
+        return hashlib.sha256("".join([fingerprint(self.equations), *tables]).encode()).hexdigest()
 
     def worth(self, expression: Scalar) -> float:
         """Return what an expression of the model's parameters is worth."""

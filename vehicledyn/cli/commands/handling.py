@@ -67,23 +67,27 @@ def handling(
     plots: Plots = None,
     page: ReportPage = None,
     backend: BackendChoice = Backend.AUTO,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Go on with tests that were killed or stopped.")
+    ] = False,
     overwrite: Overwrite = False,
     as_json: Json = False,
 ) -> None:
     """Drive a car through the standards' handling tests; write one report of their quantities."""
-    files = _Files(output, plots, page, overwrite)
+    files = _Files(output, plots, page, overwrite, resume)
     wish = {"backend": backend.value}
     _perform(vehicledyn.handling, _targets(car, against, overrides), files, wish, as_json)
 
 
 @dataclass(frozen=True)
 class _Files:
-    """Where results, figures and the page go, and whether a result may be replaced."""
+    """Where results, figures and the page go, and what becomes of a result that is there."""
 
     output: Path | None
     plots: Path | None
     page: Path | None
     overwrite: bool
+    resume: bool = False
 
 
 def _targets(
@@ -106,10 +110,14 @@ def _perform(
     if output is not None:
         if output.suffix != ".h5":
             raise InputError(f"--output {output}: the name must end in .h5")
-        check_replacing(output, HANDLING, overwrite=files.overwrite)
+        check_replacing(output, HANDLING, overwrite=files.overwrite, resume=files.resume)
     found: list[HandlingTable] = []
+    going_on = {"resume": True} if files.resume else {}  # the first car only
     for target, place in zip(targets, (output, None), strict=False):
-        data = perform(analysis, target, save_to=place, overwrite=True, plots=files.plots, **wish)
+        data = perform(
+            analysis, target, save_to=place, overwrite=True, plots=files.plots, **wish, **going_on
+        )
+        going_on = {}
         found.append(data.report.table)  # type: ignore[union-attr]
     _draw(found, files)
     other = found[1] if len(found) > 1 else None
