@@ -1,7 +1,7 @@
 """g-g diagram: the largest lateral acceleration of steady turns at longitudinal accelerations.
 
-For each longitudinal acceleration lateral acceleration grows until no balance is found; drive and
-brake torques are those of the car's drive and of brakes with its distribution.
+For each longitudinal acceleration lateral acceleration grows to its limit; drive and brake torques
+are those of the car's drive and of brakes with its distribution.
 """
 
 from __future__ import annotations
@@ -13,20 +13,26 @@ from numpy.typing import NDArray
 
 from vehicledyn.analyses.handling.steady_turn import SteadyTurn, Turn
 from vehicledyn.analyses.handling.tested_car import CarPoint
-from vehicledyn.base.errors import NumericalError
+from vehicledyn.analyses.handling.turn_paths import TurnPath, followed
 
 Vector = NDArray[np.float64]
 
 _FIRST_STEP, _SMALLEST_STEP = 1.0, 0.03
+_SMALLEST_ALONG = 0.1
+_EVEN = 1e-9
 
 
 @dataclass(frozen=True)
 class AccelerationLimits:
-    """Limits at a speed [m/s]: accelerations along and across the path, shape (n,) [m/s²]."""
+    """Limits at a speed [m/s]: accelerations along and across the path, shape (n,) [m/s²].
+
+    ``lost`` names what was left off before a limit showed.
+    """
 
     speed: float
     longitudinal: Vector
     lateral: Vector
+    lost: tuple[str, ...] = ()
 
 
 def acceleration_limits(
@@ -39,31 +45,43 @@ def acceleration_limits(
     NumericalError
         If the car does not run straight.
     """
-    pairs = []
-    for direction in (-1.0, 1.0):
-        point, along = solver.straight(speed), 0.0
-        while True:
-            try:
-                point = solver.find(Turn(speed, "lateral_acceleration", 0.0, along), point)
-            except NumericalError:
-                break
-            if along != 0.0 or direction > 0.0:
-                pairs.append((along, _limit(solver, speed, along, point)))
-            along += direction * step
+    pairs, lost = [], []
+    for direction, words in ((-1.0, "braking"), (1.0, "driving")):
+        path = _straight(solver, speed, direction, step)
+        if path.is_lost:
+            lost.append(f"{words}: {_FURTHER % path.values[-1]} along the path")
+        for size, point in zip(path.values, path.points, strict=True):
+            along = direction * size
+            if abs(size / step - round(size / step)) > _EVEN or (size == 0.0 and direction < 0.0):
+                continue
+            across = _across(solver, speed, along, (0.0, point))
+            pairs.append((along, max(across.values)))
+            if across.is_lost:
+                lost.append(f"{words} at {size:g} m/s^2: {_FURTHER % across.values[-1]} across it")
     pairs.sort()
     return AccelerationLimits(
-        speed, np.array([along for along, _ in pairs]), np.array([lateral for _, lateral in pairs])
+        speed,
+        np.array([along for along, _ in pairs]),
+        np.array([lateral for _, lateral in pairs]),
+        tuple(lost),
     )
 
 
-def _limit(solver: SteadyTurn, speed: float, along: float, point: CarPoint) -> float:
-    lateral, step = 0.0, _FIRST_STEP
-    while step >= _SMALLEST_STEP:
-        try:
-            turn = Turn(speed, "lateral_acceleration", lateral + step, along)
-            point = solver.find(turn, point)
-        except NumericalError:
-            step *= 0.5
-            continue
-        lateral += step
-    return lateral
+_FURTHER = "no balance was found beyond %.3g m/s^2"
+
+
+def _straight(solver: SteadyTurn, speed: float, direction: float, step: float) -> TurnPath:
+    def turn(size: float) -> Turn:
+        return Turn(speed, "lateral_acceleration", 0.0, direction * size)
+
+    begin = 0.0, solver.find(turn(0.0), solver.straight(speed))
+    return followed(solver, turn, begin, np.inf, step=step, smallest=_SMALLEST_ALONG)
+
+
+def _across(
+    solver: SteadyTurn, speed: float, along: float, start: tuple[float, CarPoint]
+) -> TurnPath:
+    def turn(lateral: float) -> Turn:
+        return Turn(speed, "lateral_acceleration", lateral, along)
+
+    return followed(solver, turn, start, np.inf, step=_FIRST_STEP, smallest=_SMALLEST_STEP)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from vehicledyn.analyses.handling.slow_turn import effective_wheelbase
 from vehicledyn.analyses.handling.steady_turn import SteadyTurn, Turn
 from vehicledyn.analyses.handling.tested_car import CarPoint
+from vehicledyn.analyses.handling.turn_paths import followed
 from vehicledyn.base.errors import NumericalError
 
 Vector = NDArray[np.float64]
@@ -45,14 +46,16 @@ class SteadyCurve:
     """Steady turns along lateral acceleration.
 
     ``values`` holds the quantities of :data:`QUANTITIES`, each of shape (n_points,); ``points`` the
-    states. ``limit`` is the largest lateral acceleration found [m/s²], NaN where the curve was not
-    followed to its limit.
+    states. ``limit`` is the largest lateral acceleration [m/s²], behind which the curve comes back;
+    NaN where it was not followed to it. ``is_lost`` says that it was to be and that no turn was
+    found on the way.
     """
 
     method: str
     values: dict[str, Vector]
     points: list[CarPoint] = field(repr=False)
     limit: float = float("nan")
+    is_lost: bool = False
 
     def gradient(self, name: str, last: float, *, first: float = 0.25) -> float:
         """Return the slope of a quantity over lateral acceleration between two of these [m/s²].
@@ -70,7 +73,7 @@ def constant_speed(
 ) -> SteadyCurve:
     """Return the turns at a forward speed [m/s] from a lateral acceleration to the limit [m/s²].
 
-    The limit is where no steady turn is found any more, to 0.01 m/s².
+    The limit is where the curve of turns comes back, to 0.01 m/s².
 
     Raises
     ------
@@ -126,29 +129,11 @@ def _followed(
     first: float,
     last: float,
 ) -> SteadyCurve:
-    points = list(_points(solver, turn, start, first, last))
-    curve = _curve(solver, method, points, float("nan"))
-    lateral = float(curve.values["lateral_acceleration"][-1])
-    is_limit = lateral < last - 1e-6
-    return replace(curve, limit=lateral if is_limit else float("nan"))
-
-
-def _points(
-    solver: SteadyTurn, turn: Callable[[float], Turn], start: CarPoint, first: float, last: float
-) -> Iterator[CarPoint]:
-    """Yield turns at growing lateral acceleration, in steps that halve where none is found."""
-    point = solver.find(turn(first), start)
-    yield point
-    lateral, step = first, STEP
-    while lateral < last - 1e-9 and step >= _SMALLEST_STEP:
-        wanted = min(lateral + step, last)
-        try:
-            point = solver.find(turn(wanted), point)
-        except NumericalError:
-            step *= 0.5
-            continue
-        lateral = wanted
-        yield point
+    begin = first, solver.find(turn(first), start)
+    path = followed(solver, turn, begin, last, step=STEP, smallest=_SMALLEST_STEP)
+    curve = _curve(solver, method, path.points, float("nan"))
+    limit = float(curve.values["lateral_acceleration"].max()) if path.is_limit else float("nan")
+    return replace(curve, limit=limit, is_lost=path.is_lost)
 
 
 def _curve(solver: SteadyTurn, method: str, points: list[CarPoint], limit: float) -> SteadyCurve:

@@ -51,8 +51,8 @@ def handling_table(
     steady = steady_sheets(solver, SteadyWish(limits=False), progress)
     tests = StandardTests(solver, progress)
     tests.run_all()
-    run_lane_changes(tests, backend=backend)
-    notes = list(tests.notes)
+    tests.tried("lane changes", lambda: run_lane_changes(tests, backend=backend))
+    notes = [*steady.notes, *tests.notes]
     if car.steering_ratio == 1.0:
         notes.append("steering angles are those of the front wheels: it has no steering_ratio")
     return replace(

@@ -9,6 +9,7 @@ from vehicledyn.analyses.handling.standard_tests import SPLIT_DURATION, SPLIT_SP
 from vehicledyn.analyses.handling.steady_turn import Turn
 from vehicledyn.analyses.handling.test_run import DrivenTest, drive, figures_of, sheet_of
 from vehicledyn.analyses.handling.tested_car import TestedCar
+from vehicledyn.analyses.handling.turn_paths import reached
 from vehicledyn.kernel.make_kernel import Backend
 from vehicledyn.results.tables.handling_table import KeyFigure
 from vehicledyn.road.drivers.macadam import MacAdam
@@ -108,8 +109,12 @@ def driver_of(tests: StandardTests, speed: float, preview: float = _PREVIEW_TIME
     """
     solver, vehicle = tests.solver, tests.solver.car.vehicle
     straight = solver.car.outputs(tests.straight_at(speed))
-    turn = Turn(speed, "lateral_acceleration", _GENTLE)
-    gentle = solver.car.outputs(solver.find(turn, tests.straight_at(speed)))
+
+    def turn(lateral: float) -> Turn:
+        return Turn(speed, "lateral_acceleration", lateral)
+
+    start = tests.straight_at(speed)
+    gentle = solver.car.outputs(reached(solver, turn, _GENTLE, start, steps=1))
     loads, stiffness = {}, {}
     for is_front in (True, False):
         names = [f"{c.name}.tyre" for c in vehicle.corners if c.is_front == is_front]

@@ -86,6 +86,12 @@ def steady_sheets(solver: SteadyTurn, wish: SteadyWish, progress: Progress) -> H
     }
     sheets |= {name: _sheet(curve) for name, curve in curves.items() if curve.points}
     figures = [f for name, c in curves.items() for f in _circle_figures(name, c)]
+    notes = [
+        f"{c.method}: no turn was found beyond {c.values['lateral_acceleration'][-1]:.3g} m/s^2, "
+        "which is not shown to be the limit"
+        for c in curves.values()
+        if c.is_lost
+    ]
     progress("comparing the methods at one curvature", None)
     figures += equal_curvature_figures(
         solver, radius, wish.radius, first=GRADIENT_FROM, last=GRADIENT_UP_TO
@@ -106,8 +112,9 @@ def steady_sheets(solver: SteadyTurn, wish: SteadyWish, progress: Progress) -> H
         }
         figures.append(_limit_figure("braking", -float(limits.longitudinal.min())))
         figures.append(_limit_figure("driving", float(limits.longitudinal.max())))
+        notes += [f"limits, {words}" for words in limits.lost]
     title = f"Steady cornering at {wish.speed * 3.6:.4g} km/h and {wish.radius:.4g} m"
-    return HandlingTable(title, solver.car.title, sheets, figures)
+    return HandlingTable(title, solver.car.title, sheets, figures, tuple(notes))
 
 
 def _limit_figure(name: str, value: float) -> KeyFigure:

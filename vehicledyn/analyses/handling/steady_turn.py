@@ -7,6 +7,7 @@ method balances accelerations, wheel spins and further states of a car in this m
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -42,6 +43,10 @@ _USUAL_SPEED, _GROWTH = 20.0, 0.5
 _BRAKE_SCALE = 1e3
 """Unit of the brake torque among the unknowns [N m]."""
 
+_PARTS_BEYOND, _LEAST_SCALE = (2.0, 1.0, 5.0, 0.3, 10.0), 1e-3
+"""How far behind the last turn of a curve the next one is looked for, as parts of the distance of
+the last two, and the least size that an unknown is measured by."""
+
 
 @dataclass(frozen=True)
 class Turn:
@@ -61,7 +66,10 @@ class Turn:
 
 
 class SteadyTurn:
-    """Finds steady turns of a car, each near a point known before."""
+    """Finds steady turns of a car, each near a point known before.
+
+    ``sticking`` names the states that a steady motion leaves as they are, as friction that sticks.
+    """
 
     def __init__(self, car: TestedCar) -> None:
         self.car = car
@@ -81,8 +89,12 @@ class SteadyTurn:
         self._pedal = None if throttle is None else car.state(f"{throttle.switch}.value")
         self._full = 1.0 if throttle is None else car.worth(throttle.torque)
         held = {*coordinates, *self._switches.states, self._integral, self._pedal}
-        self._further = further = [k for k in range(len(e.states)) if k not in held]
-        self._free = [*(p for p, _ in kept), *self._motion, *self._rolling, *further]
+        further = [k for k in range(len(e.states)) if k not in held]
+        moving = [*(p for p, _ in kept), *self._motion, *self._rolling]
+        determined = _determined(car, further, [*moving, *further])
+        self.sticking = tuple(e.states[k].name for k in further if k not in determined)
+        self._further = further = determined
+        self._free = [*moving, *further]
         self._balanced = [*(v for _, v in kept), *self._motion, *self._rolling, *further]
         self._angle = car.table_places("test.steering.angle")
         self._brake = car.table_places("test.brake_torque")
@@ -148,18 +160,10 @@ class SteadyTurn:
         )
 
     def _balance(self, turn: Turn, guess: CarPoint) -> CarPoint:
-        base = guess.parameters.copy()
-        base[self.car.place("speed")] = turn.speed
-        torque = guess.state[self._integral if self._pedal is None else self._pedal]
-        if turn.acceleration < 0.0:
-            torque = guess.parameters[self._brake[0]] / _BRAKE_SCALE
-        first = np.concatenate(
-            [guess.state[self._free], [guess.parameters[self._angle[0]], torque]]
-        )
-        search = _Search(self, turn, CarPoint(guess.state, guess.unknowns, base))
+        search = _Search(self, turn, guess)
         found = solve_damped(
             search.evaluate,
-            first,
+            self._unknowns(turn, guess),
             tolerance=BALANCED,
             max_iterations=_ITERATIONS,
             persistent=False,
@@ -175,6 +179,55 @@ class SteadyTurn:
         if self._pedal is not None and found.point[-1] < 0.0 <= turn.acceleration:
             raise NumericalError(f"the car gains speed at {turn.speed:g} m/s without throttle")
         return search.point(found.point)
+
+    def beyond(
+        self,
+        turn: Callable[[float], Turn],
+        before: tuple[float, CarPoint],
+        last: tuple[float, CarPoint],
+    ) -> tuple[float, CarPoint] | None:
+        """Return the next turn along a curve of turns and its value, None if there is none near.
+
+        The value is an unknown beside the others; the turn lies about as far behind the last one
+        as this lies behind the one before. At a limit its value is less than the last one.
+
+        Parameters
+        ----------
+        turn
+            The demand of a value.
+        before, last
+            Two turns of the curve with their values.
+        """
+        search = _Search(self, turn(last[0]), last[1])
+        rows = [np.append(self._unknowns(turn(v), point), v) for v, point in (before, last)]
+        scale = np.maximum(np.abs(rows).max(axis=0), _LEAST_SCALE)
+        way = (rows[1] - rows[0]) / scale
+        length = float(np.linalg.norm(way))
+        for part in _PARTS_BEYOND:
+            ahead = rows[1] + part * (rows[1] - rows[0])
+
+            def gap(x: Vector, ahead: Vector = ahead) -> float:
+                return float(way / length @ ((x - ahead) / scale))
+
+            found = solve_damped(
+                lambda x, gap=gap: search.evaluate_along(turn, x, gap),
+                ahead,
+                tolerance=BALANCED,
+                max_iterations=_ITERATIONS,
+                persistent=False,
+            )
+            if found.solved:
+                value = float(found.point[-1])
+                search.turn = turn(value)
+                return value, search.point(found.point[:-1])
+        return None
+
+    def _unknowns(self, turn: Turn, point: CarPoint) -> Vector:
+        """Return the unknowns of the search for a turn at a point."""
+        torque = point.state[self._integral if self._pedal is None else self._pedal]
+        if turn.acceleration < 0.0:
+            torque = point.parameters[self._brake[0]] / _BRAKE_SCALE
+        return np.concatenate([point.state[self._free], [point.parameters[self._angle[0]], torque]])
 
     def yaw_acceleration(self, point: CarPoint) -> float:
         """Return the yaw acceleration at a point [rad/s²]; zero in a steady turn."""
@@ -205,6 +258,7 @@ class SteadyTurn:
         """Return a point with the unknowns of the search put in."""
         state, parameters = point.state.copy(), point.parameters.copy()
         state[self._free] = x[:-2]
+        parameters[self.car.place("speed")] = turn.speed
         parameters[self._angle] = x[-2]
         braked = turn.acceleration < 0.0
         parameters[self._brake] = x[-1] * _BRAKE_SCALE if braked else 0.0
@@ -236,6 +290,24 @@ def solver_for(car: TestedCar) -> SteadyTurn:
     return solver
 
 
+def _determined(car: TestedCar, further: list[int], free: list[int]) -> list[int]:
+    """Return the further states whose rates some free state changes.
+
+    Friction that sticks keeps whatever it has where nothing slides, so no balance tells it; it
+    stays as at rest, in the middle of its hysteresis.
+    """
+    rest = car.standing
+    car.kernel.set_parameters(rest.parameters)
+    before, _ = car.rates(rest.state, rest.unknowns)
+    told = np.zeros(len(further), dtype=bool)
+    for k in free:
+        moved = rest.state.copy()
+        moved[k] += _STEP
+        after, _ = car.rates(moved, rest.unknowns)
+        told |= after[further] != before[further]
+    return [k for k, is_told in zip(further, told, strict=True) if is_told]
+
+
 def _turns_freely(car: TestedCar, position: int) -> bool:
     """Return whether no rate depends on an angle of the car at rest, as on that of a wheel."""
     states, chassis = car.equations.states, car.vehicle.chassis
@@ -257,7 +329,8 @@ class _Search:
     """Residual and Jacobian of the search for one turn; the loops stay closed on the way."""
 
     def __init__(self, solver: SteadyTurn, turn: Turn, start: CarPoint) -> None:
-        self._solver, self._turn, self._start = solver, turn, start
+        self.turn = turn
+        self._solver, self._start = solver, start
         self._unknowns = start.unknowns
 
     def evaluate(self, x: Vector) -> tuple[Vector, Vector]:
@@ -271,14 +344,33 @@ class _Search:
             columns.append((self._at(other)[0] - residual) / step)
         return residual, np.stack(columns, axis=1)
 
+    def evaluate_along(
+        self, turn: Callable[[float], Turn], x: Vector, gap: Callable[[Vector], float]
+    ) -> tuple[Vector, Vector]:
+        """Return residual and Jacobian with the value of the turn as last unknown.
+
+        The last residual is ``gap``, which is linear.
+        """
+        value = float(x[-1])
+        step = _STEP * max(1.0, abs(value))
+        self.turn = turn(value + step)
+        moved, _ = self._at(x[:-1])
+        self.turn = turn(value)
+        residual, inner = self.evaluate(x[:-1])
+        jacobian = np.zeros((x.size, x.size))
+        jacobian[:-1, :-1], jacobian[:-1, -1] = inner, (moved - residual) / step
+        here = gap(x)
+        jacobian[-1] = [gap(x + column) - here for column in np.eye(x.size)]
+        return np.append(residual, here), jacobian
+
     def point(self, x: Vector) -> CarPoint:
         """Return the point of some unknowns."""
-        moved = self._solver.moved(self._turn, self._start, x)
+        moved = self._solver.moved(self.turn, self._start, x)
         return CarPoint(moved.state, self._at(x)[1], moved.parameters)
 
     def _at(self, x: Vector) -> tuple[Vector, Vector]:
-        moved = self._solver.moved(self._turn, self._start, x)
+        moved = self._solver.moved(self.turn, self._start, x)
         car = self._solver.car
         car.kernel.set_parameters(moved.parameters)
         rates, unknowns = car.rates(moved.state, self._unknowns)
-        return self._solver.residual(self._turn, moved, rates), unknowns
+        return self._solver.residual(self.turn, moved, rates), unknowns

@@ -1,0 +1,89 @@
+"""Paths of steady turns: kinks are passed, limits are shown, the rest is told."""
+
+import numpy as np
+import pytest
+
+from vehicledyn.analyses.handling.circle import constant_radius, constant_speed
+from vehicledyn.analyses.handling.equal_curvature import gradients_on_circle
+from vehicledyn.analyses.handling.steady_turn import SteadyTurn, Turn, solver_for
+from vehicledyn.analyses.handling.tested_car import CONTROL, TestedCar
+from vehicledyn.analyses.handling.turn_paths import followed, reached
+from vehicledyn.base.errors import NumericalError
+from vehicledyn.interface.targets import read_target
+from vehicledyn.road.manoeuvres.driving_test import DrivingTest
+
+LIMIT = 8.0
+
+
+def lateral(value):
+    return Turn(20.0, "lateral_acceleration", value)
+
+
+class Curve:
+    """Turns on the curve (value, angle) = (a sin s, s), without those in a gap of values."""
+
+    def __init__(self, gap=(np.inf, np.inf), comes_back=True):
+        self.gap, self.comes_back = gap, comes_back
+
+    def find(self, turn, near):
+        if not abs(turn.value) <= LIMIT or self.gap[0] < turn.value < self.gap[1]:
+            raise NumericalError("none")
+        return float(np.arcsin(turn.value / LIMIT))
+
+    def beyond(self, turn, before, last):
+        angle = last[1] + 2.0 * (last[1] - before[1])
+        is_lost = not self.comes_back and np.sin(angle) > 1.0 - 1e-3
+        return None if is_lost else (LIMIT * np.sin(angle), angle)
+
+
+def test_a_limit_is_where_the_curve_comes_back():
+    path = followed(Curve(), lateral, (0.0, 0.0), np.inf, step=0.3, smallest=0.01)
+    assert path.is_limit and not path.is_lost
+    assert LIMIT - 0.01 < max(path.values) <= LIMIT
+
+
+def test_a_search_that_fails_is_no_limit():
+    """Along the curve itself the path goes on behind values for which nothing is found."""
+    path = followed(Curve(gap=(3.0, 3.4)), lateral, (0.0, 0.0), np.inf, step=0.3, smallest=0.01)
+    assert path.is_limit
+    assert max(path.values) > LIMIT - 0.01
+    lost = followed(Curve(comes_back=False), lateral, (0.0, 0.0), np.inf, step=0.3, smallest=0.01)
+    assert lost.is_lost and not lost.is_limit
+
+
+def test_a_turn_is_reached_in_steps_as_fine_as_it_needs():
+    class Near(Curve):
+        def find(self, turn, near):
+            found = super().find(turn, near)
+            if abs(found - near) > 0.02:
+                raise NumericalError("none as near")
+            return found
+
+    assert reached(Near(), lateral, 7.0, 0.0, steps=3) == pytest.approx(np.arcsin(7.0 / LIMIT))
+    with pytest.raises(NumericalError, match="none"):
+        reached(Near(), lateral, 9.0, 0.0, steps=3)
+
+
+@pytest.fixture(scope="module")
+def front_driven() -> SteadyTurn:
+    test = DrivingTest(speed_control=CONTROL)
+    target = read_target("front_wheel_drive_car")
+    car = TestedCar(target, backend="auto", progress=lambda *_: None, test=test)
+    return solver_for(car)
+
+
+@pytest.mark.long
+def test_friction_that_sticks_does_not_steer(front_driven):
+    """It keeps what it has at rest, so the limit of the car is that of its tyres either way."""
+    frictions = {f"steering.{name}_friction.twist" for name in ("column", "rack")}
+    assert set(front_driven.sticking) == frictions
+    speed = constant_speed(front_driven, 80.0 / 3.6)
+    circle = constant_radius(front_driven, 100.0)
+    assert not speed.is_lost and not circle.is_lost
+    assert speed.limit == pytest.approx(circle.limit, rel=5e-3)
+    for name in frictions:
+        place = front_driven.car.state(name)
+        assert all(point.state[place] == 0.0 for point in speed.points)
+    found = gradients_on_circle(front_driven, circle, 100.0, first=2.0, last=4.0)
+    assert len(found) == 3
+    assert np.ptp(list(found.values())) < 5e-3 * min(found.values())

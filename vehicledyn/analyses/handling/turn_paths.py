@@ -1,0 +1,111 @@
+"""Steady turns along a quantity that grows: in steps that halve, up to a limit that is shown.
+
+That Newton's method finds no turn is no limit yet: kinks stop it as well. At a limit the curve of
+turns comes back, so the next turn along the curve itself, whatever its value, tells.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from vehicledyn.analyses.handling.steady_turn import SteadyTurn, Turn
+from vehicledyn.analyses.handling.tested_car import CarPoint
+from vehicledyn.base.errors import NumericalError
+
+TurnOf = Callable[[float], Turn]
+"""The demand on a turn of a value, such as a lateral acceleration."""
+
+_LEAST_PART = 1.0 / 256.0
+"""Least part of a first step by which a value grows."""
+
+_MOST_PASSED = 40
+"""Most turns along the curve behind which no step of the value leads on."""
+
+
+@dataclass(frozen=True)
+class TurnPath:
+    """Turns with their values, and whether the curve comes back behind the last of them.
+
+    ``is_limit`` is False where the wanted value was reached, and where nothing tells a limit.
+    ``is_lost`` says that neither the wanted value nor a limit was found.
+    """
+
+    values: list[float]
+    points: list[CarPoint]
+    is_limit: bool
+    is_lost: bool
+
+
+def followed(
+    solver: SteadyTurn,
+    turn: TurnOf,
+    start: tuple[float, CarPoint],
+    last: float,
+    *,
+    step: float,
+    smallest: float,
+) -> TurnPath:
+    """Return turns from one that is known, in growing steps up to a value or to the limit.
+
+    Parameters
+    ----------
+    solver
+        Finds the turns.
+    turn
+        The demand of a value.
+    start
+        A value and its turn.
+    last
+        Value to end at.
+    step, smallest
+        First step of the value, and the least one; a limit is known to the latter.
+    """
+    values, points = [start[0]], [start[1]]
+    size, passed = step, 0
+    while values[-1] < last - 1e-9:
+        wanted = min(values[-1] + size, last)
+        try:
+            point = solver.find(turn(wanted), points[-1])
+        except NumericalError:
+            if size > smallest:
+                size = max(0.5 * size, smallest)
+                continue
+            if len(points) < 2 or passed == _MOST_PASSED:
+                return TurnPath(values, points, is_limit=False, is_lost=True)
+            ends = [(values[k], points[k]) for k in (-2, -1)]
+            beyond = solver.beyond(turn, ends[0], ends[1])
+            if beyond is None or beyond[0] <= values[-1]:
+                is_limit = beyond is not None
+                return TurnPath(values, points, is_limit=is_limit, is_lost=not is_limit)
+            passed += 1
+            wanted, point = beyond
+        else:
+            size = min(2.0 * size, step) if passed else size
+        values.append(wanted)
+        points.append(point)
+    return TurnPath(values, points, is_limit=False, is_lost=False)
+
+
+def reached(
+    solver: SteadyTurn, turn: TurnOf, value: float, start: CarPoint, *, steps: int
+) -> CarPoint:
+    """Return the turn of a value, followed from that of zero in so many steps, or in finer ones.
+
+    Raises
+    ------
+    NumericalError
+        If no turn of the value is found.
+    """
+    part, size, point = 0.0, 1.0 / steps, start
+    while part < 1.0:
+        wanted = min(part + size, 1.0)
+        try:
+            point = solver.find(turn(wanted * value), point)
+        except NumericalError:
+            size *= 0.5
+            if size < _LEAST_PART / steps:
+                raise
+            continue
+        part = wanted
+    return point
