@@ -30,6 +30,12 @@ class Curve:
             raise NumericalError("none")
         return float(np.arcsin(turn.value / LIMIT))
 
+    def orientation(self, turn, point):
+        return 1 if point <= 0.5 * np.pi else -1
+
+    def unknowns(self, turn, point):
+        return np.array([point])
+
     def beyond(self, turn, before, last):
         angle = last[1] + 2.0 * (last[1] - before[1])
         is_lost = not self.comes_back and np.sin(angle) > 1.0 - 1e-3
@@ -49,6 +55,30 @@ def test_a_search_that_fails_is_no_limit():
     assert max(path.values) > LIMIT - 0.01
     lost = followed(Curve(comes_back=False), lateral, (0.0, 0.0), np.inf, step=0.3, smallest=0.01)
     assert lost.is_lost and not lost.is_limit
+
+
+def test_a_turn_behind_the_limit_is_none_before_it():
+    """Newton's method may leap over a limit, to where the curve comes back."""
+
+    class Leaping(Curve):
+        def find(self, turn, near):
+            return (
+                np.pi - super().find(turn, near) if turn.value > 6.0 else super().find(turn, near)
+            )
+
+    class Remote(Leaping):
+        def orientation(self, turn, point):
+            return 1
+
+        def beyond(self, turn, before, last):
+            return None
+
+    path = followed(Leaping(), lateral, (0.0, 0.0), np.inf, step=0.5, smallest=0.01)
+    assert path.is_limit
+    assert max(path.values) == pytest.approx(6.0, abs=0.01)
+    path = followed(Remote(), lateral, (0.0, 0.0), np.inf, step=0.5, smallest=0.01)
+    assert path.is_lost
+    assert max(path.values) == pytest.approx(6.0, abs=0.01)
 
 
 def test_a_turn_is_reached_in_steps_as_fine_as_it_needs():

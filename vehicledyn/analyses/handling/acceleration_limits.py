@@ -17,7 +17,7 @@ from vehicledyn.analyses.handling.turn_paths import TurnPath, followed
 
 Vector = NDArray[np.float64]
 
-_FIRST_STEP, _SMALLEST_STEP = 1.0, 0.03
+_FIRST_STEP, _SMALLEST_STEP = 0.5, 0.03
 _SMALLEST_ALONG = 0.1
 _EVEN = 1e-9
 

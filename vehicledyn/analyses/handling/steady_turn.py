@@ -43,9 +43,12 @@ _USUAL_SPEED, _GROWTH = 20.0, 0.5
 _BRAKE_SCALE = 1e3
 """Unit of the brake torque among the unknowns [N m]."""
 
-_PARTS_BEYOND, _LEAST_SCALE = (2.0, 1.0, 5.0, 0.3, 10.0), 1e-3
+LEAST_SIZE = 1e-3
+"""Least size that an unknown is measured by."""
+
+_PARTS_BEYOND = (2.0, 1.0, 0.3, 0.1, 0.03)
 """How far behind the last turn of a curve the next one is looked for, as parts of the distance of
-the last two, and the least size that an unknown is measured by."""
+the last two."""
 
 
 @dataclass(frozen=True)
@@ -163,7 +166,7 @@ class SteadyTurn:
         search = _Search(self, turn, guess)
         found = solve_damped(
             search.evaluate,
-            self._unknowns(turn, guess),
+            self.unknowns(turn, guess),
             tolerance=BALANCED,
             max_iterations=_ITERATIONS,
             persistent=False,
@@ -199,31 +202,44 @@ class SteadyTurn:
             Two turns of the curve with their values.
         """
         search = _Search(self, turn(last[0]), last[1])
-        rows = [np.append(self._unknowns(turn(v), point), v) for v, point in (before, last)]
-        scale = np.maximum(np.abs(rows).max(axis=0), _LEAST_SCALE)
+        rows = [np.append(self.unknowns(turn(v), point), v) for v, point in (before, last)]
+        scale = np.maximum(np.abs(rows).max(axis=0), LEAST_SIZE)
         way = (rows[1] - rows[0]) / scale
         length = float(np.linalg.norm(way))
         for part in _PARTS_BEYOND:
             ahead = rows[1] + part * (rows[1] - rows[0])
 
-            def gap(x: Vector, ahead: Vector = ahead) -> float:
-                return float(way / length @ ((x - ahead) / scale))
+            def evaluate(x: Vector, ahead: Vector = ahead) -> tuple[Vector, Vector]:
+                normal = way / length / scale
+                return search.evaluate_along(turn, x, normal, float(normal @ (x - ahead)))
 
-            found = solve_damped(
-                lambda x, gap=gap: search.evaluate_along(turn, x, gap),
-                ahead,
-                tolerance=BALANCED,
-                max_iterations=_ITERATIONS,
-                persistent=False,
-            )
+            try:
+                found = solve_damped(
+                    evaluate,
+                    ahead,
+                    tolerance=BALANCED,
+                    max_iterations=_ITERATIONS,
+                    persistent=False,
+                )
+            except NumericalError:
+                continue  # so far ahead the loops do not close
             if found.solved:
                 value = float(found.point[-1])
                 search.turn = turn(value)
                 return value, search.point(found.point[:-1])
         return None
 
-    def _unknowns(self, turn: Turn, point: CarPoint) -> Vector:
-        """Return the unknowns of the search for a turn at a point."""
+    def orientation(self, turn: Turn, point: CarPoint) -> int:
+        """Return the sign of the Jacobian's determinant, which changes where a curve comes back.
+
+        It is that with the drive as an unknown, against which brakes act.
+        """
+        _, jacobian = _Search(self, turn, point).evaluate(self.unknowns(turn, point))
+        sign = int(np.linalg.slogdet(jacobian)[0])
+        return -sign if turn.acceleration < 0.0 else sign
+
+    def unknowns(self, turn: Turn, point: CarPoint) -> Vector:
+        """Return the unknowns of the search for a turn at a point, shape (n_unknowns,)."""
         torque = point.state[self._integral if self._pedal is None else self._pedal]
         if turn.acceleration < 0.0:
             torque = point.parameters[self._brake[0]] / _BRAKE_SCALE
@@ -345,11 +361,11 @@ class _Search:
         return residual, np.stack(columns, axis=1)
 
     def evaluate_along(
-        self, turn: Callable[[float], Turn], x: Vector, gap: Callable[[Vector], float]
+        self, turn: Callable[[float], Turn], x: Vector, normal: Vector, gap: float
     ) -> tuple[Vector, Vector]:
         """Return residual and Jacobian with the value of the turn as last unknown.
 
-        The last residual is ``gap``, which is linear.
+        The last residual is ``gap``, the distance from a plane with a normal.
         """
         value = float(x[-1])
         step = _STEP * max(1.0, abs(value))
@@ -357,11 +373,8 @@ class _Search:
         moved, _ = self._at(x[:-1])
         self.turn = turn(value)
         residual, inner = self.evaluate(x[:-1])
-        jacobian = np.zeros((x.size, x.size))
-        jacobian[:-1, :-1], jacobian[:-1, -1] = inner, (moved - residual) / step
-        here = gap(x)
-        jacobian[-1] = [gap(x + column) - here for column in np.eye(x.size)]
-        return np.append(residual, here), jacobian
+        rows = np.column_stack([inner, (moved - residual) / step])
+        return np.append(residual, gap), np.vstack([rows, normal])
 
     def point(self, x: Vector) -> CarPoint:
         """Return the point of some unknowns."""

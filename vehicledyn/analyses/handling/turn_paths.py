@@ -1,7 +1,9 @@
 """Steady turns along a quantity that grows: in steps that halve, up to a limit that is shown.
 
 That Newton's method finds no turn is no limit yet: kinks stop it as well. At a limit the curve of
-turns comes back, so the next turn along the curve itself, whatever its value, tells.
+turns comes back, so the next turn along the curve itself, whatever its value, tells. Nor is every
+turn that is found one before the limit: behind it the determinant of the equations has another
+sign, as where a wheel slips more than at its largest force.
 """
 
 from __future__ import annotations
@@ -9,7 +11,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from vehicledyn.analyses.handling.steady_turn import SteadyTurn, Turn
+import numpy as np
+
+from vehicledyn.analyses.handling.steady_turn import LEAST_SIZE, SteadyTurn, Turn
 from vehicledyn.analyses.handling.tested_car import CarPoint
 from vehicledyn.base.errors import NumericalError
 
@@ -18,6 +22,10 @@ TurnOf = Callable[[float], Turn]
 
 _LEAST_PART = 1.0 / 256.0
 """Least part of a first step by which a value grows."""
+
+_LONGEST_LEAP, _SMALL_LEAP = 3.0, 0.05
+"""How far a turn may lie from where the path leads, as a part of the way to there, and the part of
+the size of its unknowns that is no leap. Before a limit unknowns grow like a root."""
 
 _MOST_PASSED = 40
 """Most turns along the curve behind which no step of the value leads on."""
@@ -63,14 +71,18 @@ def followed(
     """
     values, points = [start[0]], [start[1]]
     size, passed = step, 0
+    orientation = solver.orientation(turn(start[0]), start[1])
     while values[-1] < last - 1e-9:
         wanted = min(values[-1] + size, last)
-        try:
-            point = solver.find(turn(wanted), points[-1])
-        except NumericalError:
+        point, is_behind = _next(solver, turn(wanted), points[-1], orientation)
+        if point is not None and _leaps(solver, turn, (values, points), wanted, point):
+            point = None
+        if point is None:
             if size > smallest:
                 size = max(0.5 * size, smallest)
                 continue
+            if is_behind:
+                return TurnPath(values, points, is_limit=True, is_lost=False)
             if len(points) < 2 or passed == _MOST_PASSED:
                 return TurnPath(values, points, is_limit=False, is_lost=True)
             ends = [(values[k], points[k]) for k in (-2, -1)]
@@ -85,6 +97,38 @@ def followed(
         values.append(wanted)
         points.append(point)
     return TurnPath(values, points, is_limit=False, is_lost=False)
+
+
+def _next(
+    solver: SteadyTurn, turn: Turn, near: CarPoint, orientation: int
+) -> tuple[CarPoint | None, bool]:
+    """Return the turn near another one, and whether what was found lies behind a limit instead."""
+    try:
+        point = solver.find(turn, near)
+    except NumericalError:
+        return None, False
+    if solver.orientation(turn, point) != orientation:
+        return None, True
+    return point, False
+
+
+def _leaps(
+    solver: SteadyTurn,
+    turn: TurnOf,
+    path: tuple[list[float], list[CarPoint]],
+    value: float,
+    point: CarPoint,
+) -> bool:
+    """Return whether a turn lies far from where the last two turns of a path lead."""
+    values, points = path
+    if len(points) < 2:
+        return False
+    known = [solver.unknowns(turn(values[k]), points[k]) for k in (-2, -1)]
+    size = np.maximum(np.abs(known).max(axis=0), LEAST_SIZE)
+    way = (known[1] - known[0]) * (value - values[-1]) / (values[-1] - values[-2])
+    missed = (solver.unknowns(turn(value), point) - known[1] - way) / size
+    most = _LONGEST_LEAP * np.linalg.norm(way / size) + _SMALL_LEAP
+    return bool(np.linalg.norm(missed) > most)
 
 
 def reached(
