@@ -52,6 +52,7 @@ class ResultDescription:
     plots: tuple[str, ...]
     events: tuple[EventRecord, ...] = ()
     pictures: int = 0
+    notes: tuple[str, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
         """Return plain data that JSON can hold."""
@@ -59,7 +60,9 @@ class ResultDescription:
 
     def as_text(self) -> str:
         """Return lines for a person; a partial file says so first."""
-        tables = (self._summary(), self._events(), self._solver(), self._channels())
+        tables = (
+            self._summary(), self._notes(), self._events(), self._solver(), self._channels()
+        )  # fmt: skip
         return "\n".join([*self._heading(), *(line for table in tables for line in table)])
 
     def _heading(self) -> list[str]:
@@ -91,6 +94,10 @@ class ResultDescription:
             for entry in self.summary
         ]
         return _table("Summary", rows)
+
+    def _notes(self) -> list[str]:
+        """Return what the run warned of and assumed, a line each."""
+        return ["", "Notes", *(f"  {note}" for note in self.notes)] if self.notes else []
 
     def _events(self) -> list[str]:
         """Return the first events with their times, and how many more there are."""
@@ -144,6 +151,7 @@ def describe_result(path: str | Path) -> ResultDescription:
             plots=tuple(str(plot.get("name", "?")) for plot in result.plots),
             events=tuple(result.events),
             pictures=result.pictures,
+            notes=result.notes,
         )
 
 

@@ -14,7 +14,9 @@ from vehicledyn.results.store.writer import ResultWriter
 def make_result(tmp_path):
     """Return a function that writes a result file and returns its path."""
 
-    def make(name="run.h5", *, time=None, values=None, status="ok", message="", **changes):
+    def make(
+        name="run.h5", *, time=None, values=None, status="ok", message="", notes=(), **changes
+    ):
         given_time, given_values = slalom_values()
         time = given_time if time is None else time
         values = given_values if values is None else values
@@ -42,6 +44,7 @@ def make_result(tmp_path):
                 SummaryEntry("driver", "preview", "1", "Driver"),
             ],
             solver={"method": "rk4", "step": 1e-3, "steps": 22000, "warm": True},
+            notes=notes,
         )
         return path
 

@@ -28,6 +28,13 @@ def test_a_partial_file_says_so_first(make_result):
     assert first == "PARTIAL RESULT: failed at t = 22 s: loop did not close"
 
 
+def test_what_a_run_warned_of_is_shown(make_result):
+    """A step that is too long was told once, when the run ended."""
+    text = describe_result(make_result(notes=["warning: the step is too long"])).as_text()
+    assert "\nNotes\n  warning: the step is too long\n" in text
+    assert "Notes" not in describe_result(make_result(name="other.h5")).as_text()
+
+
 def test_it_is_strict_json(make_result):
     time = np.array([0.0, 1.0, 2.0])
     path = make_result(time=time, values={"a": ("m", np.array([1.0, np.nan, 3.0]))})
