@@ -8,7 +8,7 @@ from typing import Any
 
 from vehicledyn.base.units import shown
 from vehicledyn.results.store.layout import EventRecord, SummaryEntry
-from vehicledyn.results.store.reader import Result, open_result
+from vehicledyn.results.store.reader import ENDS, Result, open_result
 
 _MOST_EVENTS = 20
 """Events that are shown to a person."""
@@ -128,7 +128,7 @@ def describe_result(path: str | Path) -> ResultDescription:
     InputError
         If the file cannot be read as a result.
     """
-    with open_result(path, 2) as result:
+    with open_result(path, ENDS) as result:
         return ResultDescription(
             path=str(path),
             title=result.title,

@@ -17,8 +17,9 @@ from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.integrate.course import Beginning
 from vehicledyn.integrate.estimated_accuracy import Accuracy, worst_of
 from vehicledyn.results.hdf5.output import is_being_written
+from vehicledyn.results.store.decimation import PORTION
 from vehicledyn.results.store.layout import EventRecord
-from vehicledyn.results.store.reader import Result, open_result
+from vehicledyn.results.store.reader import ENDS, Result, open_result
 
 Matrix = NDArray[np.float64]
 
@@ -98,7 +99,7 @@ def open_restart(
     """
     if is_being_written(path.resolve()):
         raise InputError(f"{path}: is being written by a run; go on from it when that has ended")
-    result = open_result(path)
+    result = open_result(path, ENDS)
     try:
         _refuse_others(result, loaded, prepared, names, digest)
         return _restart(result, loaded, prepared)
@@ -109,13 +110,14 @@ def open_restart(
 
 def _restart(result: Result, loaded: LoadedScenario, prepared: Prepared) -> Restart:
     same_solver = result.configuration.get("solver") == loaded.resolved.get("solver")
+    times = result.column("time")
     latest = float(result.time[-1])
     if _reaches_end(result, loaded):
         # Killed after its last sample: that one is computed again, and the end with it.
-        latest = float(result.time[-2])
+        latest = float(times[len(times) - 2 :][0])
     history = result.history(latest) if same_solver else None
     time = latest if history is None else history.time
-    samples = int(np.searchsorted(result.time, time, side="right"))
+    samples = int(times.first_from(np.nextafter([time], np.inf))[0])  # up to this time
     _, _, both = result.rows(samples - 1, samples)
     state, unknowns = np.split(both[0], [len(prepared.equations.states)])
     remark = f"went on from t = {time:.9g} s of {result.path}"
@@ -176,21 +178,30 @@ def _refuse_others(
         )
     if result.channels != tuple(names):
         raise InputError(f"{path}: {what}: it holds other channels; undo that in 'output'")
-    if not len(result.time):
+    if not result.samples:
         raise InputError(f"{path}: {what}: it has no sample; run without {argument('restart')}")
     interval = loaded.scenario.output.interval
-    grid = interval * np.arange(len(result.time))
-    if np.abs(result.time - grid).max() > 1e-6 * interval:
+    if not _is_sampled_every(result, interval):
         ended = result.solver.get("ended_by")
         why = f"event '{ended}' ended it" if ended else f"it is not sampled every {interval:g} s"
         raise InputError(f"{path}: {what}: {why}")
     if result.solver.get("ended_by"):
         raise InputError(f"{path}: {what}: event '{result.solver['ended_by']}' ended it")
-    if _reaches_end(result, loaded) and (result.has_ended or len(result.time) < 2):
+    if _reaches_end(result, loaded) and (result.has_ended or result.samples < 2):
         raise InputError(
             f"{path}: reaches t = {result.time[-1]:.9g} s already; to go on, give a longer "
             f"duration by {setting('duration')}"
         )
+
+
+def _is_sampled_every(result: Result, interval: float) -> bool:
+    times = result.column("time")
+    for start in range(0, len(times), PORTION):
+        part = times[start : start + PORTION]
+        grid = interval * np.arange(start, start + len(part))
+        if np.abs(part - grid).max() > 1e-6 * interval:
+            return False
+    return True
 
 
 def _reaches_end(result: Result, loaded: LoadedScenario) -> bool:

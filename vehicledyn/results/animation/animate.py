@@ -12,7 +12,7 @@ from vehicledyn.results.animation.scene import AnimatedScene, scene_of
 from vehicledyn.results.hdf5.page_file import check_page, write_page
 from vehicledyn.results.plots.table_results import holds_table
 from vehicledyn.results.store.animation_section import Span
-from vehicledyn.results.store.reader import open_result
+from vehicledyn.results.store.reader import ENDS, open_result
 from vehicledyn.results.store.study_reader import is_study_file
 
 PAGE, FILM = Span(3000), Span(20_000)
@@ -99,7 +99,7 @@ def read_scenes(
     scenes = []
     for index, path in enumerate(paths):
         _refuse_others(path)
-        with open_result(path, 2) as result:
+        with open_result(path, ENDS) as result:
             wanted = channels if index == 0 else ()
             scenes.append(scene_of(result, span, patterns=wanted, plots=plots))
     return scenes

@@ -11,7 +11,7 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.results.assessment.assess import Assessment, assess
 from vehicledyn.results.assessment.comfort import DIRECTIONS, Comfort
 from vehicledyn.results.assessment.subjects import find_subjects
-from vehicledyn.results.store.reader import open_result
+from vehicledyn.results.store.reader import ENDS, open_result
 
 _KILO = 1e-3
 
@@ -73,7 +73,7 @@ def assess_result(
     InputError
         If the file cannot be read, has nothing to assess, or no samples in the section.
     """
-    with open_result(path, 2) as result:
+    with open_result(path, ENDS) as result:
         if not result.is_timed:
             raise InputError(f"{path}: has nothing to assess: its samples are not taken in time")
         units = result.units

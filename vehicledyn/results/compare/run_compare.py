@@ -25,11 +25,9 @@ from vehicledyn.results.compare.sampling_grids import (
 from vehicledyn.results.compare.setting_notes import setting_notes
 from vehicledyn.results.compare.tolerances import Tolerances
 from vehicledyn.results.store.decimation import PORTION
-from vehicledyn.results.store.reader import Result, open_result
+from vehicledyn.results.store.reader import ENDS, Result, open_result
 
 Floats = NDArray[np.float64]
-_ENDS = 2
-"""Times to keep in memory: all else is read block by block."""
 
 
 def compare_files(
@@ -74,7 +72,7 @@ def compare_files(
     try:
         for path in (result, reference):
             try:
-                opened.append(open_result(path, _ENDS))
+                opened.append(open_result(path, ENDS))
             except InputError as error:
                 problems.append(str(error))
         for file in opened:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -43,7 +44,7 @@ class RunSource:
 
     def __init__(self, path: Path) -> None:
         self._path = path
-        with reader.open_result(path) as result:
+        with reader.open_result(path, reader.ENDS) as result:
             self.head = Head(
                 "run",
                 result.title,
@@ -57,12 +58,16 @@ class RunSource:
                 },
             )
             self._axis = "time" if result.is_timed else "sample"
-            self._time = _axis(self._axis, result.time)
             self.names: Sequence[str] = dict.fromkeys((self._axis, *result.channels))  # type: ignore[assignment]
             self._notes: tuple[str, ...] | None = None
             if result.status != "running":
                 with contextlib.suppress(InputError):  # damaged ones are told when asked for
                     self._notes = result.notes
+
+    @cached_property
+    def _time(self) -> LabelledArray:
+        with reader.open_result(self._path) as result:
+            return _axis(self._axis, result.time)
 
     def read(self, names: Sequence[str]) -> list[LabelledArray]:
         """Return the time or channels."""
@@ -87,19 +92,19 @@ class RunSource:
 
     def summary(self) -> Mapping[str, SummaryEntry]:
         """Return the key figures of the run."""
-        with reader.open_result(self._path) as result:
+        with reader.open_result(self._path, reader.ENDS) as result:
             return result.summary
 
     def events(self) -> tuple[EventRecord, ...]:
         """Return what happened during the run."""
-        with reader.open_result(self._path) as result:
+        with reader.open_result(self._path, reader.ENDS) as result:
             return result.events_so_far
 
     def notes(self) -> tuple[str, ...]:
         """Return what the run noted."""
         if self._notes is not None:
             return self._notes
-        with reader.open_result(self._path) as result:
+        with reader.open_result(self._path, reader.ENDS) as result:
             return result.notes
 
 

@@ -18,7 +18,7 @@ from vehicledyn.results.plots.run_plots import MOST_SAMPLES, plots_of
 from vehicledyn.results.plots.studies.study_plots import NAMES, study_figures
 from vehicledyn.results.plots.table_results import holds_table, table_figures
 from vehicledyn.results.store.linear_file import format_of
-from vehicledyn.results.store.reader import Result, open_result
+from vehicledyn.results.store.reader import ENDS, Result, open_result
 from vehicledyn.results.store.study_reader import is_study_file, open_study
 
 if TYPE_CHECKING:
@@ -63,7 +63,7 @@ def figure_names(path: Path) -> list[str]:
         return list(NAMES)
     if holds_table(path):
         return [name for name, _ in table_figures(path)]
-    with open_result(path, 2) as result:
+    with open_result(path, ENDS) as result:
         return [plot.name for plot in plots_of(result)]
 
 

@@ -7,7 +7,7 @@ from vehicledyn.results.compare.run_compare import compare_files
 from vehicledyn.results.report.content import Content
 from vehicledyn.results.report.page import Notes, Section, Table
 from vehicledyn.results.report.texts import reading
-from vehicledyn.results.store.reader import open_result
+from vehicledyn.results.store.reader import ENDS, open_result
 
 MOST_CHANNELS = 20
 MOST_SAMPLES = 1_000_000
@@ -19,7 +19,7 @@ def differences(first: Content, second: Content, names: tuple[str, str]) -> list
     if first.what not in ("Simulation", "Kinematics"):
         return []
     for content in (first, second):
-        with open_result(content.path, 2) as result:
+        with open_result(content.path, ENDS) as result:
             if result.samples > MOST_SAMPLES:
                 text = (
                     f"{result.samples} samples are too many to compare here; use the verb compare."

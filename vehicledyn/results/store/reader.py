@@ -50,6 +50,9 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
+ENDS = 2
+"""``most`` where no times are asked for but the first and the last: all else is read in blocks."""
+
 _BESIDE = {"states", "events", "restart", "summary", "solver", "scenario", "plots", "scene"}
 """Groups beside the channels whose arrays are read whole."""
 
