@@ -48,6 +48,12 @@ _LARGEST_CHUNK, _LARGEST_BLOCK, _GROUP = 512, 2048, 8
 _CHUNKS = 64
 """Chunks of a file at least, where there are cases enough for lanes in each."""
 
+_MOST_BYTES = 256_000_000
+"""Samples of a block in memory at most, where it has more than one case."""
+
+LARGEST_CASE = 1_000_000_000
+"""Samples of a case in memory at most: a worker holds them until its figures are found [B]."""
+
 _SHARE = 8
 """Blocks that a worker gets at least, so that none waits long for the last."""
 
@@ -143,12 +149,14 @@ def run_study(
         helpers = _helpers(stack, work, workers or study.study.workers, cluster, progress)
         worker, model = facts_of(work, progress)
         computing = helpers or pool.SingleProcess(worker)
+        _refuse_long_cases(output, work, len(model.columns))
         header = _header(study, work, model)
         _refuse_size(output, header)
         writer = stack.enter_context(
             StudyWriter(output, header, resume=resume, overwrite=overwrite)
         )
-        run = _Run(work, header, writer, progress, max(1, computing.workers()))
+        most = _MOST_BYTES // _case_bytes(work, len(model.columns))
+        run = _Run(work, header, writer, progress, max(1, computing.workers()), max(1, most))
         run.compute(computing)
     with open_study(output) as file:
         counts, failures = file.counts(), list(file.reasons(MOST_SHOWN))
@@ -168,6 +176,7 @@ class _Run:
     writer: StudyWriter
     progress: Progress
     workers: int
+    most: int
     status: str = OK
     messages: list[str] = field(default_factory=list)
     computed: int = 0
@@ -212,7 +221,7 @@ class _Run:
         by_memory = _BLOCK_BYTES // (8 * numbers)
         by_share = self.header.n_cases // (_SHARE * max(1, self.workers))
         size = min(by_memory, by_share, _LARGEST_BLOCK)
-        return max(_GROUP, size // _GROUP * _GROUP)
+        return min(max(_GROUP, size // _GROUP * _GROUP), self.most)
 
     def _show(self) -> None:
         total = self.header.n_cases
@@ -295,7 +304,7 @@ def _header(study: LoadedStudy, work: Work, model: Model) -> StudyHeader:
     return StudyHeader(
         title=study.study.title,
         n_cases=work.design.count,
-        times=np.array([interval * k for k in range(n_samples)]),
+        times=interval * np.arange(n_samples),
         channels=channels,
         axes=axes,
         chunk=chunk if chunk < _GROUP else chunk // _GROUP * _GROUP,
@@ -305,6 +314,22 @@ def _header(study: LoadedStudy, work: Work, model: Model) -> StudyHeader:
         digests={**study.digests, "program": work.program},
         configuration=study.base.resolved,
     )
+
+
+def _case_bytes(work: Work, columns: int) -> int:
+    """Return what the samples of a case need in memory, of all channels that are computed [B]."""
+    return 8 * work.n_samples * max(1, columns)
+
+
+def _refuse_long_cases(output: Path, work: Work, columns: int) -> None:
+    """Raise InputError if a case is too long to be held in the memory of a worker."""
+    needed = _case_bytes(work, columns)
+    if needed > LARGEST_CASE:
+        raise InputError(
+            f"{output}: {work.n_samples} samples of {columns} channels need {_size(needed)} of "
+            f"memory a case, {_size(LARGEST_CASE)} at most; give a longer 'output.interval', keep "
+            "fewer channels and no figures, or run the cases by themselves"
+        )
 
 
 def _refuse_size(output: Path, header: StudyHeader) -> None:

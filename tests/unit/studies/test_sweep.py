@@ -288,6 +288,33 @@ def test_more_than_the_disk_holds_is_refused_at_once(tmp_path, study):
     assert not (tmp_path / "out.h5").exists()
 
 
+def test_cases_too_long_for_the_memory_of_a_worker_are_refused(tmp_path, study, monkeypatch):
+    """A worker holds a case until its figures are found: 5 million samples took gigabytes."""
+    monkeypatch.setattr(sweep, "LARGEST_CASE", 1000)
+    with pytest.raises(InputError, match=r"\d+ samples of \d+ channels need .*B of memory a case"):
+        swept(study, tmp_path / "out.h5")
+    assert not (tmp_path / "out.h5").exists()
+
+
+def test_long_cases_are_computed_one_at_a_time(tmp_path, study, monkeypatch):
+    """A block held eight cases at least, however long they were."""
+    spans = []
+
+    def noted(status, chunk, most):
+        spans.extend(pending(status, chunk, most))
+        return iter(spans)
+
+    monkeypatch.setattr(sweep, "pending", noted)
+    whole = swept(study, tmp_path / "whole.h5").path
+    assert max(stop - first for first, stop in spans) > 1
+    spans.clear()
+    monkeypatch.setattr(sweep, "_MOST_BYTES", 1)
+    monkeypatch.setattr(sweep, "_CHUNK_BYTES", 1)
+    single = swept(study, tmp_path / "single.h5").path
+    assert spans == [(k, k + 1) for k in range(24)]
+    same(whole, single)
+
+
 def test_spans_of_pending_cases():
     status = np.array([0, 0, 1, 1, 0, 2, 0, 0, 0], dtype=np.int8)
     assert list(pending(status, 2, 4)) == [(0, 2), (4, 5), (6, 8), (8, 9)]
