@@ -304,7 +304,7 @@ def _header(study: LoadedStudy, work: Work, model: Model) -> StudyHeader:
     return StudyHeader(
         title=study.study.title,
         n_cases=work.design.count,
-        times=interval * np.arange(n_samples),
+        times=interval * np.arange(n_samples, dtype=float),
         channels=channels,
         axes=axes,
         chunk=chunk if chunk < _GROUP else chunk // _GROUP * _GROUP,

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Iterator, Mapping, Sequence
-from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -58,27 +57,24 @@ class RunSource:
                 },
             )
             self._axis = "time" if result.is_timed else "sample"
+            self._time: LabelledArray | None = None
             self.names: Sequence[str] = dict.fromkeys((self._axis, *result.channels))  # type: ignore[assignment]
             self._notes: tuple[str, ...] | None = None
             if result.status != "running":
                 with contextlib.suppress(InputError):  # damaged ones are told when asked for
                     self._notes = result.notes
 
-    @cached_property
-    def _time(self) -> LabelledArray:
-        with reader.open_result(self._path) as result:
-            return _axis(self._axis, result.time)
-
     def read(self, names: Sequence[str]) -> list[LabelledArray]:
         """Return the time or channels."""
         channels = [name for name in names if name != self._axis]
-        found = {self._axis: self._time}
-        if channels:
-            with reader.open_result(self._path) as result:
-                found |= {name: self._of(result.channel(name)) for name in channels}
-        return [found[name] for name in names]
+        with reader.open_result(self._path) as result:
+            if self._time is None:
+                self._time = _axis(self._axis, result.time)
+            time = self._time
+            found = {name: self._of(result.channel(name), time) for name in channels}
+        return [time if name == self._axis else found[name] for name in names]
 
-    def _of(self, channel: Series) -> LabelledArray:
+    def _of(self, channel: Series, time: LabelledArray) -> LabelledArray:
         """Return a channel over the samples."""
         return LabelledArray(
             channel.name,
@@ -86,7 +82,7 @@ class RunSource:
             (self._axis,),
             channel.unit,
             channel.description,
-            {self._axis: self._time},
+            {self._axis: time},
             channel.frame,
         )
 
