@@ -8,7 +8,8 @@ ones (less than 1 % off) it warns of, and what it says of those between. ``--coa
 from ten times the scenario's own upwards, of which most are bad; ``--coarsest 10`` none beyond ten
 times it, of which most are good. ``--cost`` measures the processor time of integrations with and
 without the watch, which take turns, and compares it with that of the whole run: from the scenario
-in memory, its kernel compiled, to the closed file.
+in memory, its kernel compiled, to the closed file. It visits all scenarios that come with the
+program and have a fixed step, or those of the names that follow.
 """
 
 from __future__ import annotations
@@ -69,8 +70,6 @@ NAMES = (
     "systems/small_cart_2",
     "systems/tricycle",
 )
-FURTHER = ("systems/curving_wheelset", "manchester_irregular_track", "bas2000_curve")
-"""Scenarios whose cost is measured too, but whose truth takes too long for the campaign."""
 WATCHES = (
     "vehicledyn.integrate.fixed_step.watch_of",
     "vehicledyn.analyses.simulation.partitions.repartitioning._Pieces.accuracy_watch",
@@ -78,6 +77,8 @@ WATCHES = (
 """Where the watch comes into a run."""
 BAD, GOOD = 0.05, 0.01
 """Errors of a key figure from which a run is bad, and up to which it is good."""
+ENOUGH = 20.0
+"""Processor time after which the cost of a scenario is not measured once more [s]."""
 FINE = 4
 """Steps of the truth in the step of a scenario, or in a tenth of its sampling interval."""
 
@@ -233,36 +234,49 @@ def summary(found):
     return lines
 
 
-def cost(repetitions):
+def cost(repetitions, names):
     """Print the processor time of runs with and without the watch, and of whole commands."""
     worst = 0.0
-    for name in (*NAMES, *FURTHER):
-        loaded, _, _ = prepared(name)
-        solver, interval = loaded.scenario.solver, loaded.scenario.output.interval
-        if not hasattr(solver, "fixed_method"):
-            continue
-        spent, share = {True: [], False: []}, 0.0
-        for _ in range(repetitions):
-            for watched in (True, False):
-                with ExitStack() as stack:
-                    for place in () if watched else WATCHES:
-                        stack.enter_context(patch(place, lambda *_: None))
-                    begun = time.process_time()
-                    outcome, *_ = record(name, solver, interval)
-                    spent[watched].append(time.process_time() - begun)
-                if watched:
-                    share = outcome.accuracy.extra_steps / outcome.steps
-        seen, unseen = (min(spent[key]) for key in (True, False))
-        whole = whole_run(loaded)
-        part = (seen - unseen) / whole
-        worst = max(worst, part)
-        print(
-            f"{name.split('/')[-1]:28s} {unseen * 1e3:8.1f} ms without, {seen * 1e3:8.1f} ms with: "
-            f"{(seen - unseen) * 1e3:6.2f} ms, {100.0 * (seen / unseen - 1.0):5.1f} % of the "
-            f"integration, {100.0 * share:5.2f} % of its steps, {100.0 * part:5.2f} % of the run",
-            flush=True,
-        )
+    for path in [
+        *sorted(SCENARIOS.glob("*.yaml")),
+        *sorted((SCENARIOS / "systems").glob("*.yaml")),
+    ]:
+        if not names or path.stem in names:
+            worst = max(worst, cost_of(path.relative_to(SCENARIOS).with_suffix(""), repetitions))
     print(f"at most {100.0 * worst:.2f} % of a run")
+
+
+def cost_of(name, repetitions):
+    """Print the same of one scenario; return the watch's part of the whole run."""
+    if not hasattr(load_scenario(SCENARIOS / f"{name}.yaml").scenario.solver, "fixed_method"):
+        return 0.0
+    loaded, _, _ = prepared(name)
+    spent, begun = {True: [], False: []}, time.process_time()
+    while len(spent[False]) < repetitions and time.process_time() - begun < ENOUGH:
+        for watched in (True, False):
+            seconds, outcome = integration(name, loaded.scenario, watched=watched)
+            spent[watched].append(seconds)
+            if watched:
+                share = outcome.accuracy.extra_steps / outcome.steps
+    seen, unseen = (min(spent[key]) for key in (True, False))
+    part = (seen - unseen) / min(whole_run(loaded) for _ in range(2))
+    print(
+        f"{name.name:28s} {unseen * 1e3:8.1f} ms without, {seen * 1e3:8.1f} ms with: "
+        f"{(seen - unseen) * 1e3:6.2f} ms, {100.0 * (seen / unseen - 1.0):5.1f} % of the "
+        f"integration, {100.0 * share:5.2f} % of its steps, {100.0 * part:5.2f} % of the run",
+        flush=True,
+    )
+    return part
+
+
+def integration(name, scenario, *, watched):
+    """Integrate with or without the watch; return the processor time [s] and the outcome."""
+    with ExitStack() as stack:
+        for place in () if watched else WATCHES:
+            stack.enter_context(patch(place, lambda *_: None))
+        begun = time.process_time()
+        outcome, *_ = record(name, scenario.solver, scenario.output.interval)
+        return time.process_time() - begun, outcome
 
 
 def whole_run(loaded):
@@ -289,9 +303,10 @@ def main():
         "--coarsest", type=float, default=200.0, help="largest multiple of the own step"
     )
     parser.add_argument("--cost", type=int, metavar="REPETITIONS", default=0)
+    parser.add_argument("names", nargs="*", help="with --cost: scenarios, all if none")
     arguments = parser.parse_args()
     if arguments.cost:
-        cost(arguments.cost)
+        cost(arguments.cost, arguments.names)
         return
     chosen = arguments.number, arguments.seed, arguments.coarse, arguments.coarsest
     print("\n".join(summary(campaign(*chosen))))

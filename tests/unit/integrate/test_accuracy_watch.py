@@ -105,14 +105,14 @@ def test_the_recommended_step_is_accurate(solver):
     assert second.verdict == "accurate", second
 
 
-def set_off(decay_rate):
-    """A slip that fades at once and what it leaves, z(∞) = 1/2, beside an oscillator of 1 rad/s."""
+def set_off(decay_rate, *, leaves=0.5):
+    """A slip that fades at once and what it leaves, beside an oscillator of 1 rad/s."""
     t, slip, left, x, v, rate = symbols("t", "slip", "left", "x", "v", "rate")
     return build(
         "set_off",
         time=t,
         states=[(slip, 1.0), (left, 0.0), (x, 1.0), (v, 0.0)],
-        rates=[-rate * slip, rate * slip**2, v, -x],
+        rates=[-rate * slip, 2.0 * leaves * rate * slip**2, v, -x],
         parameters=[(rate, decay_rate)],
         outputs=[("slip", slip), ("left", left), ("x", x)],
     )
@@ -127,6 +127,14 @@ def test_what_a_start_sets_off_costs_a_look_at_the_start(decay_rate, verdict):
     assert (abs(2.0 * outputs[-1, 1] - 1.0) > 0.05) == (verdict == "inaccurate")
     assert accuracy.verdict == verdict
     assert (accuracy.extra_steps < 0.25 * statistics.steps) == (verdict == "accurate")
+
+
+def test_a_start_that_leaves_nothing_is_looked_at_no_further():
+    """The slip is off by 1 % of its range when the window ends, and gone at the first sample."""
+    solver, equations = RungeKutta4(step=0.005), set_off(300.0, leaves=0.0)
+    statistics = watched(equations, solver, stop=20.0, interval=0.05)[0]
+    assert statistics.accuracy.verdict == "accurate"
+    assert statistics.accuracy.extra_steps < 0.25 * statistics.steps
 
 
 def test_steps_that_follow_a_tolerance_are_not_judged():

@@ -9,7 +9,13 @@ import numpy as np
 
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.integrate.accuracy.watched_run import WatchedRun, Way
-from vehicledyn.integrate.accuracy.windows import WindowStart, is_cheap, may_be_repeated, order_of
+from vehicledyn.integrate.accuracy.windows import (
+    WindowStart,
+    is_cheap,
+    may_be_repeated,
+    order_of,
+    two_ends_apart,
+)
 from vehicledyn.integrate.channel_ranges import Ranges
 from vehicledyn.integrate.estimated_accuracy import ENERGY
 from vehicledyn.integrate.judged_quantities import EnergyBalance, Sizes, figure_errors
@@ -52,7 +58,7 @@ class Moved:
 class Again:
     """A part of a run taken again: ranges of its channels, and samples where they are wanted.
 
-    ``failure`` says why it could not be taken to its end.
+    ``last`` are the judged channels at its end, ``failure`` says why it could not be taken there.
     """
 
     ranges: Ranges
@@ -60,6 +66,7 @@ class Again:
     steps: int = 0
     got_through: bool = False
     failure: str = ""
+    last: Vector = field(default_factory=lambda: np.zeros(0))
 
 
 def look_again(
@@ -91,13 +98,21 @@ def look_again(
     return replace(longer, extra_steps=longer.extra_steps + short.extra_steps)
 
 
-def look_at_start(watch: WatchedRun, place: WindowStart, errors: Vector) -> Moved:
-    """Return how far the first part of a run moves with half its step.
+def look_at_start(watch: WatchedRun, place: WindowStart) -> Moved:
+    """Return how far the first part of a run moves with half its step, and what is left of that.
 
-    ``errors`` are those of its first window, shape (n_channels,).
+    What a start sets off may be coarse as long as it fades: beside extremes and means, the channels
+    at the end of the part count, as parts of their ranges.
     """
     better = _better_way(watch, ended_early=False)
-    return _part_again(watch, [place], errors[None, :], better, _PART, least=_LEAST_AT_START)
+    own, half = _both(watch, place, _length_of_part(watch, _PART, _LEAST_AT_START), better)
+    error, name = _ranges_apart(watch, own, half)
+    if math.isfinite(error):
+        left = _ends_apart(watch, own, half)
+        worst = int(np.argmax(left))
+        if left[worst] > error:
+            error, name = float(left[worst]), f"'{watch.names[worst]}'"
+    return Moved(_richardson(watch, better) * error, name, own.steps + half.steps)
 
 
 def _all_again(watch: WatchedRun, better: Way, *, ended_early: bool) -> Moved:
@@ -116,18 +131,12 @@ def _part_again(
     errors: Vector,
     better: Way,
     share: float,
-    *,
-    least: int = _LEAST,
 ) -> Moved:
     """Return how far the channels move in a part of the run, where windows differ most."""
-    taken, grid = intervals_of(watch), watch.grid
-    count = min(taken, max(int(share * taken), -(-least // grid.per_interval)))
-    largest = np.where([place.index <= taken - count for place in places], errors.max(axis=1), -1.0)
-    place = places[int(np.argmax(largest))]
-    own = _known_part(watch, place, count)
-    if own is None:
-        own = taken_again(watch, place, count, Way(grid.method, grid.step))
-    half = taken_again(watch, place, count, better)
+    count = _length_of_part(watch, share, _LEAST)
+    latest = intervals_of(watch) - count
+    largest = np.where([place.index <= latest for place in places], errors.max(axis=1), -1.0)
+    own, half = _both(watch, places[int(np.argmax(largest))], count, better)
     factor = _richardson(watch, better)
     error, name = _ranges_apart(watch, own, half)
     usual = errors.mean(axis=0)
@@ -137,12 +146,26 @@ def _part_again(
     return Moved(factor * error, name, own.steps + half.steps, failure=failure)
 
 
+def _length_of_part(watch: WatchedRun, share: float, least: int) -> int:
+    """Return the intervals of a part of the run, which has so many steps at least."""
+    taken = intervals_of(watch)
+    return min(taken, max(int(share * taken), -(-least // watch.grid.per_interval)))
+
+
+def _both(watch: WatchedRun, place: WindowStart, count: int, better: Way) -> tuple[Again, Again]:
+    """Return a part of the run as it was, and taken again in a better way."""
+    own = _known_part(watch, place, count)
+    if own is None:
+        own = taken_again(watch, place, count, Way(watch.grid.method, watch.grid.step))
+    return own, taken_again(watch, place, count, better)
+
+
 def _known_part(watch: WatchedRun, place: WindowStart, count: int) -> Again | None:
     """Return a part of the run from its own samples, None if they are not kept."""
     if not watch.history:
         return None
     values = np.concatenate([part[1] for part in watch.history])[place.index :][: count + 1]
-    again = Again(Ranges.of(watch.equations, watch.judged.channels))
+    again = Again(Ranges.of(watch.equations, watch.judged.channels), last=values[-1])
     again.ranges.take(values)
     return again
 
@@ -201,6 +224,7 @@ def taken_again(watch: WatchedRun, place: WindowStart, count: int, way: Way) -> 
     def take(times: Vector, states: Vector, unknowns: Vector, outputs: Vector) -> None:
         values = outputs[:, channels]
         again.ranges.take(values)
+        again.last = values[-1]
         if watch.history is not None:
             again.samples.append((times.copy(), values))
 
@@ -273,3 +297,10 @@ def _ranges_apart(watch: WatchedRun, own: Again, other: Again) -> tuple[float, s
     distance = own.ranges.distance(other.ranges, watch.ranges.scales())
     worst = int(np.argmax(distance))
     return float(distance[worst]), f"'{watch.names[worst]}'"
+
+
+def _ends_apart(watch: WatchedRun, own: Again, other: Again) -> Vector:
+    """Return how far two ways lie apart at their end, shape (n_channels,), as parts of ranges."""
+    distance = two_ends_apart(own.last, other.last)
+    with np.errstate(all="ignore"):
+        return np.nan_to_num(distance / watch.ranges.scales(), nan=np.inf, posinf=np.inf)

@@ -45,8 +45,8 @@ Errors of order one have one sign throughout, and what amplifies them has all th
 """
 
 _STARTED, _FEWEST = 0.002, 3
-"""Error in the first part of a run from which on all of it is looked at, where the first of so many
-windows at least is the only one to ask for that: what a start sets off, springs and slips, fades.
+"""Error in the first part of a run, or left at its end, from which on all of it is looked at, where
+the first of so many windows is the only one to ask for that: what a start sets off fades.
 """
 
 _GROWN, _ERRING = 1e3, 0.05
@@ -97,7 +97,7 @@ class AccuracyWatch(WatchedRun):
             name = f"'{self.names[worst]}'" if self.names else ""
             return Accuracy("accurate", bound, name, None, spent)
         if not (is_off or ended_early) and self._starts_only(places, errors, most):
-            begun = look_at_start(self, places[0], errors[0])
+            begun = look_at_start(self, places[0])
             spent += begun.extra_steps
             if begun.error <= _STARTED:
                 return Accuracy("accurate", begun.error, begun.worst, None, spent)
