@@ -98,11 +98,19 @@ def quiet(what, part):
 
 
 def differences(coarse, fine):
-    """Return per channel how far it moves in parts of its range, and when it moves most [s]."""
+    """Return per channel how far it moves in parts of its range, and when it moves most [s].
+
+    A value that is no number in one run only moves without bounds, as all do behind the end of the
+    shorter run.
+    """
     n = min(len(coarse.times), len(fine.times))
-    spans, apart = np.ptp(fine.values, axis=0), np.abs(coarse.values[:n] - fine.values[:n])
+    apart = distances(coarse.values[:n], fine.values[:n])
+    if len(coarse.times) != len(fine.times):
+        apart[-1] = np.inf
+    known = np.ma.masked_invalid(fine.values)
+    spans, sizes = (part.filled(0.0) for part in (np.ma.ptp(known, axis=0), abs(known).max(axis=0)))
     largest = {}
-    for unit, value in zip(fine.units, np.abs(fine.values).max(axis=0), strict=True):
+    for unit, value in zip(fine.units, sizes, strict=True):
         largest[unit] = max(largest.get(unit, 0.0), value)
     found = {}
     for k, (name, unit) in enumerate(zip(fine.names, fine.units, strict=True)):
@@ -111,6 +119,14 @@ def differences(coarse, fine):
             at = int(np.argmax(apart[:, k]))
             found[name] = (float(apart[at, k] / scale), float(coarse.times[at]))
     return found
+
+
+def distances(one, other):
+    """Return how far values lie apart, nothing where both are no numbers."""
+    same = (one == other) | (np.isnan(one) & np.isnan(other))
+    with np.errstate(invalid="ignore"):
+        apart = np.abs(one - other)
+    return np.where(same, 0.0, np.where(np.isnan(apart), np.inf, apart))
 
 
 def worst(found):
