@@ -9,6 +9,7 @@ from typing import NamedTuple, Protocol, TypeAlias
 import numpy as np
 
 from vehicledyn.integrate.channel_ranges import Ranges, watched_channels
+from vehicledyn.integrate.kept_samples import KeptSamples
 from vehicledyn.kernel.engine import Vector
 from vehicledyn.symbolic.equations import Equations
 
@@ -69,10 +70,10 @@ class Judged:
         """Return all channels that can be judged."""
         return Judged(watched_channels(equations))
 
-    def history(self, n_intervals: int) -> list[tuple[Vector, Vector]] | None:
+    def kept(self, n_intervals: int) -> KeptSamples | None:
         """Return where samples are kept for figures; None where there are too many, or none."""
         few = (n_intervals + 1) * len(self.channels) <= _MOST_NUMBERS
-        return [] if self.figures is not None and few else None
+        return KeptSamples(n_intervals + 1, self.channels) if self.figures and few else None
 
 
 @dataclass(frozen=True)

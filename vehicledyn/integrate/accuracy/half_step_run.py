@@ -19,6 +19,7 @@ from vehicledyn.integrate.accuracy.windows import (
 from vehicledyn.integrate.channel_ranges import Ranges
 from vehicledyn.integrate.estimated_accuracy import ENERGY
 from vehicledyn.integrate.judged_quantities import EnergyBalance, Sizes, figure_errors
+from vehicledyn.integrate.kept_samples import KeptSamples
 from vehicledyn.kernel.engine import Method, Vector
 
 _PART, _LONG_PART, _LEAST, _LEAST_AT_START = 0.006, 0.1, 200, 100
@@ -35,8 +36,6 @@ _FINEST = 256
 
 MOVED = 0.04
 """Error that a second look may find without a warning."""
-
-Samples = list[tuple[Vector, Vector]]
 
 
 @dataclass(frozen=True)
@@ -62,7 +61,7 @@ class Again:
     """
 
     ranges: Ranges
-    samples: Samples = field(default_factory=list)
+    samples: KeptSamples | None = None
     steps: int = 0
     got_through: bool = False
     failure: str = ""
@@ -120,7 +119,7 @@ def _all_again(watch: WatchedRun, better: Way, *, ended_early: bool) -> Moved:
     half = taken_again(watch, watch.places[0], intervals_of(watch), better)
     if ended_early and half.got_through:
         return Moved(np.inf, "", half.steps, goes_on=True)
-    own = Again(watch.ranges, watch.history or [])
+    own = Again(watch.ranges, watch.kept)
     error, name = apart(watch, own, half)
     return Moved(_richardson(watch, better) * error, name, half.steps, failure=half.failure)
 
@@ -162,9 +161,9 @@ def _both(watch: WatchedRun, place: WindowStart, count: int, better: Way) -> tup
 
 def _known_part(watch: WatchedRun, place: WindowStart, count: int) -> Again | None:
     """Return a part of the run from its own samples, None if they are not kept."""
-    if not watch.history:
+    if watch.kept is None:
         return None
-    values = np.concatenate([part[1] for part in watch.history])[place.index :][: count + 1]
+    values = watch.kept.values[place.index :][: count + 1]
     again = Again(Ranges.of(watch.equations, watch.judged.channels), last=values[-1])
     again.ranges.take(values)
     return again
@@ -218,15 +217,14 @@ def may_be_taken(watch: WatchedRun, way: Way, count: int, *, times: float = 1.0)
 def taken_again(watch: WatchedRun, place: WindowStart, count: int, way: Way) -> Again:
     """Take some intervals again from a place."""
     channels = watch.judged.channels
-    again = Again(Ranges.of(watch.equations, channels))
+    kept = watch.judged.kept(count) if watch.kept is not None else None
+    again = Again(Ranges.of(watch.equations, channels), kept)
     again.ranges.likes = watch.ranges.likes
 
     def take(times: Vector, states: Vector, unknowns: Vector, outputs: Vector) -> None:
-        values = outputs[:, channels]
+        values = outputs[:, channels] if kept is None else kept.take(times, outputs)
         again.ranges.take(values)
         again.last = values[-1]
-        if watch.history is not None:
-            again.samples.append((times.copy(), values))
 
     with np.errstate(all="ignore"):
         try:
@@ -243,11 +241,11 @@ def apart(watch: WatchedRun, own: Again, other: Again) -> tuple[float, str]:
     The balance of the energy counts as one.
     """
     make = watch.judged.figures
-    if make is None or watch.history is None or own.failure or other.failure:
+    samples = [again.samples for again in (own, other) if again.samples and not again.failure]
+    if make is None or len(samples) < 2:
         return _ranges_apart(watch, own, other)
     with np.errstate(all="ignore"):
-        samples = [_joined(again.samples) for again in (own, other)]
-        figures = [make(*part) for part in samples]
+        figures = [make(part.times, part.values) for part in samples]
         balances = [balance_of(watch, part) for part in samples]
     sizes = Sizes.of(watch.equations, watch.judged.channels, other.ranges)
     errors = figure_errors(figures[0], figures[1], sizes)
@@ -261,19 +259,18 @@ def apart(watch: WatchedRun, own: Again, other: Again) -> tuple[float, str]:
 
 def energy_is_off(watch: WatchedRun) -> bool:
     """Return whether the balance of the energy, as far as the samples tell, asks for a look."""
-    if not watch.history or not may_be_repeated(watch.kernel, watch.grid):
+    if watch.kept is None or not may_be_repeated(watch.kernel, watch.grid):
         return False
-    samples = _joined(watch.history)
     with np.errstate(all="ignore"):
-        rough = balance_of(watch, samples, rough=True)
+        rough = balance_of(watch, watch.kept, rough=True)
         if rough is None or rough.part <= 0.5 * MOVED:
             return False
-        found = balance_of(watch, samples)
+        found = balance_of(watch, watch.kept)
     return found is not None and found.part > MOVED
 
 
 def balance_of(
-    watch: WatchedRun, samples: tuple[Vector, Vector], *, rough: bool = False
+    watch: WatchedRun, samples: KeptSamples, *, rough: bool = False
 ) -> EnergyBalance | None:
     """Return the balance of the energy, None where there is none or it says nothing.
 
@@ -282,12 +279,7 @@ def balance_of(
     make = watch.judged.balance
     if make is None or watch.grid.method == Method.SYMPLECTIC_EULER:
         return None
-    return make(*samples, rough=rough)
-
-
-def _joined(samples: Samples) -> tuple[Vector, Vector]:
-    times, values = zip(*samples, strict=True)
-    return np.concatenate(times), np.concatenate(values)
+    return make(samples.times, samples.values, rough=rough)
 
 
 def _ranges_apart(watch: WatchedRun, own: Again, other: Again) -> tuple[float, str]:

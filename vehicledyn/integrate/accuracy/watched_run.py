@@ -82,7 +82,7 @@ class WatchedRun:
         self._count = self._spacing = 1
         self._view: _View | None = None
         self._divergence = ""
-        self.history = self.judged.history(self.grid.n_intervals)
+        self.kept = self.judged.kept(self.grid.n_intervals)
 
     @property
     def kernel(self) -> Kernel:
@@ -123,11 +123,12 @@ class WatchedRun:
             if index % self._spacing == 0:
                 self._keep(place(index - first))
         self.latest = [*self.latest, *map(place, range(max(0, sound - _LATEST), sound))][-_LATEST:]
-        values = outputs[:sound, self.judged.channels]
+        if self.kept is None:
+            values = outputs[:sound, self.judged.channels]
+        else:
+            values = self.kept.take(times[:sound], outputs[:sound])
         self.early.take(values[: max(0, self.grid.n_intervals // 2 + 1 - first)])
         self.ranges.take(values)
-        if self.history is not None:
-            self.history.append((times[:sound].copy(), values))
         return sound
 
     def _seen_as(self, kernel: Kernel, state: Vector) -> _View:
