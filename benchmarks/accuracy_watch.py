@@ -1,15 +1,15 @@
 """Measure the accuracy watch: ``python benchmarks/accuracy_watch.py [--number 100] [--seed 1]``.
 
-Scenarios that come with the program run with random methods and steps, from a half of their own
-step to two hundred times it. The truth is a run with RK4 or ``rkc`` at an eighth of their step.
-Printed are, per run, how far its worst key figure is off, what the watch says and what it
-costs; and in the end how many bad runs (more than 5 % off, or ended early) it finds, how many good
-ones (less than 1 % off) it warns of, and what it says of those between. ``--coarse 10`` draws steps
-from ten times the scenario's own upwards, of which most are bad; ``--coarsest 10`` none beyond ten
-times it, of which most are good. ``--cost`` measures the processor time of integrations with and
-without the watch, which take turns, and compares it with that of the whole run: from the scenario
-in memory, its kernel compiled, to the closed file. It visits all scenarios that come with the
-program and have a fixed step, or those of the names that follow.
+Scenarios that come with the program, or those of them that are named, run with random methods and
+steps, from a half of their own step to two hundred times it. The truth is a run with RK4 or ``rkc``
+at an eighth of their step. Printed are, per run, how far its worst key figure is off, what the
+watch says and what it costs; and in the end how many bad runs (more than 5 % off, or ended early)
+it finds, how many good ones (less than 1 % off) it warns of, and what it says of those between.
+``--coarse 10`` draws steps from ten times the scenario's own upwards, of which most are bad;
+``--coarsest 10`` none beyond ten times it, of which most are good. ``--cost`` measures the
+processor time of integrations with and without the watch, which take turns, and compares it with
+that of the whole run: from the scenario in memory, its kernel compiled, to the closed file. It
+visits all scenarios that come with the program and have a fixed step, or those that are named.
 """
 
 from __future__ import annotations
@@ -45,17 +45,36 @@ NAMES = (
     "iltis_slalom",
     "iltis_standstill",
     "wheelset_limit_cycle",
+    "systems/all_wheel_drive_sedan",
+    "systems/assembled_car",
+    "systems/automatic_sedan",
+    "systems/ball_in_tube",
+    "systems/ball_in_tube_dependent",
     "systems/bicycle",
+    "systems/cam_follower",
+    "systems/car_and_caravan",
+    "systems/car_of_parts",
+    "systems/coach_of_two_bogies",
     "systems/cooperrider_classic",
     "systems/double_pendulum",
     "systems/double_spring_mass",
     "systems/double_wishbone_suspension",
     "systems/five_link_suspension",
+    "systems/flexible_axle_wheelset",
     "systems/four_bar",
+    "systems/geneva_drive",
     "systems/jeep",
     "systems/jeep_suspension",
     "systems/macpherson_suspension",
+    "systems/manchester_bogie",
+    "systems/manual_sedan",
+    "systems/mecanum_cart",
     "systems/merry_go_round",
+    "systems/motorcycle",
+    "systems/off_road_truck_rough",
+    "systems/off_road_truck_sand",
+    "systems/off_road_truck_slope",
+    "systems/omni_cart",
     "systems/parallelogram",
     "systems/quarter_car",
     "systems/radial_wheelset",
@@ -63,13 +82,23 @@ NAMES = (
     "systems/rail_wheelset",
     "systems/roller_pendulum",
     "systems/rolling_disk",
+    "systems/screw_jack",
+    "systems/sedan",
     "systems/simple_wheelset",
     "systems/slider_crank",
+    "systems/slider_crank_flexible",
     "systems/slider_crank_two_angles",
     "systems/small_car",
+    "systems/small_cart",
     "systems/small_cart_2",
+    "systems/t_handle",
+    "systems/testset_wheelset",
+    "systems/tractor_semitrailer",
     "systems/tricycle",
+    "systems/upright_disk",
+    "systems/valve_train",
 )
+"""Scenarios with key figures whose truth takes seconds; that of the others takes minutes."""
 WATCHES = (
     "vehicledyn.integrate.fixed_step.watch_of",
     "vehicledyn.analyses.simulation.partitions.repartitioning._Pieces.accuracy_watch",
@@ -182,9 +211,9 @@ def judge(name, solver, interval):
     return Finding(error, worst, said.verdict, told, said.extra_steps / outcome.steps)
 
 
-def draw(random, coarse, coarsest):
+def draw(random, names, coarse, coarsest):
     """Return a scenario, a method with a step, and the sampling interval [s]."""
-    name = NAMES[random.integers(len(NAMES))]
+    name = names[random.integers(len(names))]
     loaded, _, _ = prepared(name)
     s = loaded.scenario
     wanted = own_step(loaded) * 10.0 ** random.uniform(*np.log10((coarse, coarsest)))
@@ -199,11 +228,11 @@ def draw(random, coarse, coarsest):
     return name, find("solver", kind)(step=step), interval
 
 
-def campaign(number, seed, coarse=0.5, coarsest=200.0):
+def campaign(number, seed, names=NAMES, coarse=0.5, coarsest=200.0):
     """Run and print so many combinations; return the findings."""
     random, found = np.random.default_rng(seed), []
     while len(found) < number:
-        name, solver, interval = draw(random, coarse, coarsest)
+        name, solver, interval = draw(random, names, coarse, coarsest)
         finding = judge(name, solver, interval)
         if finding is None:
             continue
@@ -303,12 +332,13 @@ def main():
         "--coarsest", type=float, default=200.0, help="largest multiple of the own step"
     )
     parser.add_argument("--cost", type=int, metavar="REPETITIONS", default=0)
-    parser.add_argument("names", nargs="*", help="with --cost: scenarios, all if none")
+    parser.add_argument("names", nargs="*", help="scenarios, all if none")
     arguments = parser.parse_args()
     if arguments.cost:
         cost(arguments.cost, arguments.names)
         return
-    chosen = arguments.number, arguments.seed, arguments.coarse, arguments.coarsest
+    names = [n for n in NAMES if not arguments.names or Path(n).name in arguments.names]
+    chosen = arguments.number, arguments.seed, names, arguments.coarse, arguments.coarsest
     print("\n".join(summary(campaign(*chosen))))
 
 

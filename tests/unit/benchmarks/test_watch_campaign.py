@@ -21,9 +21,8 @@ def script():
     return module
 
 
-def test_random_steps_of_light_scenarios(script, needs_compiler, monkeypatch):
-    monkeypatch.setattr(script, "NAMES", LIGHT)
-    found = script.campaign(30, seed=3)
+def test_random_steps_of_light_scenarios(script, needs_compiler):
+    found = script.campaign(30, seed=3, names=LIGHT)
     classes = [script.class_of(finding) for finding in found]
     assert {"bad", "good"} <= set(classes)
     for finding, kind in zip(found, classes, strict=True):
