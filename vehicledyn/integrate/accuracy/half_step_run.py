@@ -9,13 +9,7 @@ import numpy as np
 
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.integrate.accuracy.watched_run import WatchedRun, Way
-from vehicledyn.integrate.accuracy.windows import (
-    WindowStart,
-    is_cheap,
-    may_be_repeated,
-    order_of,
-    two_ends_apart,
-)
+from vehicledyn.integrate.accuracy.windows import WindowStart, is_cheap, may_be_repeated, order_of
 from vehicledyn.integrate.channel_ranges import Ranges
 from vehicledyn.integrate.estimated_accuracy import ENERGY
 from vehicledyn.integrate.judged_quantities import EnergyBalance, Sizes, figure_errors
@@ -293,6 +287,7 @@ def _ranges_apart(watch: WatchedRun, own: Again, other: Again) -> tuple[float, s
 
 def _ends_apart(watch: WatchedRun, own: Again, other: Again) -> Vector:
     """Return how far two ways lie apart at their end, shape (n_channels,), as parts of ranges."""
-    distance = two_ends_apart(own.last, other.last)
     with np.errstate(all="ignore"):
-        return np.nan_to_num(distance / watch.ranges.scales(), nan=np.inf, posinf=np.inf)
+        distance = np.abs(own.last - other.last) / watch.ranges.scales()
+    same = np.isnan(own.last) & np.isnan(other.last)
+    return np.where(same, 0.0, np.nan_to_num(distance, nan=np.inf, posinf=np.inf))
