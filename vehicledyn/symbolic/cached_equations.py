@@ -27,6 +27,7 @@ from vehicledyn.symbolic.shared import know_shared
 
 if TYPE_CHECKING:
     from vehicledyn.symbolic.constrained_equations import ConstrainedEquations
+    from vehicledyn.symbolic.motion_residuals import MotionResiduals
     from vehicledyn.symbolic.tables import CurveTable
 
 _ITEMS: dict[str, type[Any]] = {
@@ -92,6 +93,7 @@ def whole_equations(
     facts: dict[str, Any],
     expressions: dict[str, Any],
     constrained: Callable[[], ConstrainedEquations] | None,
+    motion_residuals: Callable[[], MotionResiduals] | None = None,
 ) -> Equations:
     """Return equations of known facts and expressions.
 
@@ -100,7 +102,9 @@ def whole_equations(
     facts, expressions
         From :func:`facts_of` and :func:`expressions_of`, also by way of JSON.
     constrained
-        Derives the same motion as residuals.
+        Derives the same motion as residuals with multipliers.
+    motion_residuals
+        Derives the same accelerations as residuals.
 
     Raises
     ------
@@ -122,7 +126,7 @@ def whole_equations(
     seam = expressions.get("seam")
     if seam is not None:
         given["seam"] = Seam(tuple(seam["names"]), found[-1], tuple(seam["parts"]))
-    return Equations(**known, **given, constrained=constrained)
+    return Equations(**known, **given, constrained=constrained, motion_residuals=motion_residuals)
 
 
 def equations_from(facts: dict[str, Any], source: Callable[[], Equations]) -> Equations:

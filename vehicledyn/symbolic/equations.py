@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 if TYPE_CHECKING:
     from vehicledyn.symbolic.constrained_equations import ConstrainedEquations
+    from vehicledyn.symbolic.motion_residuals import MotionResiduals
     from vehicledyn.symbolic.tables import CurveTable
 
 Expression = Any
@@ -137,7 +138,8 @@ class Equations:
     that the expressions look up; like values of parameters, they are no part of what is
     compiled. ``structure`` holds facts for people (bodies, joints, degrees of freedom), never
     used in computing. ``constrained`` derives the same motion as residuals with multipliers,
-    where its author can. ``seam`` says where the model may be compiled apart from its surroundings.
+    where its author can, ``motion_residuals`` the same accelerations without solving for them.
+    ``seam`` says where the model may be compiled apart from its surroundings.
     """
 
     name: str
@@ -163,6 +165,7 @@ class Equations:
     tables: tuple[CurveTable, ...] = ()
     structure: dict[str, Any] = field(default_factory=dict)
     constrained: Callable[[], ConstrainedEquations] | None = field(default=None, compare=False)
+    motion_residuals: Callable[[], MotionResiduals] | None = field(default=None, compare=False)
     seam: Seam | None = None
 
     @property

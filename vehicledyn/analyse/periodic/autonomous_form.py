@@ -61,4 +61,10 @@ def timeless(equations: Equations, parameters: ArrayLike) -> Equations:
             )
     given = [e.rate, e.residual, *([] if e.slopes is None else [e.slopes])]
     rate, residual, *slopes = casadi.substitute(given, [e.time], [casadi.SX(0.0)])
-    return replace(e, rate=rate, residual=residual, slopes=slopes[0] if slopes else None)
+    return replace(
+        e,
+        rate=rate,
+        residual=residual,
+        slopes=slopes[0] if slopes else None,
+        motion_residuals=None,
+    )

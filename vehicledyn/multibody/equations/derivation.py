@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
 
@@ -28,11 +29,17 @@ from vehicledyn.multibody.model.system import System
 from vehicledyn.multibody.model.tree import Tree, unfold
 from vehicledyn.multibody.recursion.barycentric import augmented_inertias
 from vehicledyn.multibody.recursion.body_checks import check_bodies
-from vehicledyn.multibody.recursion.forward_dynamics import Formulation, TreeProblem, solve_tree
+from vehicledyn.multibody.recursion.forward_dynamics import (
+    Formulation,
+    TreeProblem,
+    missing_forces,
+    solve_tree,
+)
 from vehicledyn.multibody.recursion.substructuring import solve_loops
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.constrained_equations import ConstrainedEquations
 from vehicledyn.symbolic.equations import Equations
+from vehicledyn.symbolic.motion_residuals import MotionResiduals
 from vehicledyn.symbolic.ops import Scalar
 from vehicledyn.symbolic.quick_arithmetic import quick_arithmetic
 
@@ -146,7 +153,13 @@ def equations_of(derivation: Derivation) -> Equations:
         multipliers=d.multipliers,
         projection=d.projection,
     )
-    return replace(equations, constrained=cache(partial(_constrained, d, equations)))
+    return replace(
+        equations,
+        constrained=cache(partial(_constrained, d, equations)),
+        motion_residuals=(
+            cache(partial(_motion_residuals, d, equations)) if d.multipliers is None else None
+        ),
+    )
 
 
 @quick_arithmetic()
@@ -171,6 +184,32 @@ def _constrained(derivation: Derivation, equations: Equations) -> ConstrainedEqu
         finished=partial(driven_motions, d.symbols, d.moved),
     )
     return residual_form(unsolved, equations)
+
+
+@quick_arithmetic()
+def _motion_residuals(derivation: Derivation, equations: Equations) -> MotionResiduals:
+    """Return what the accelerations of a solved system fulfil."""
+    d = derivation
+    motion = _motion(d.system, d.symbols, d.roles, d.loops)
+    joints = [d.symbols.joints[k] for k in d.roles.independent]
+    names = [joint.name for joint in joints]
+    free = {name: ops.symbol(f"{name}_acceleration") for name in names}
+    given = _given_accelerations(d.symbols, d.roles, motion.loads) | free
+    closure = _with_rates(d.loops.closure, d.symbols, motion.rates)
+    accelerations = _closed(closure, d.symbols, (*d.roles.driven, *d.roles.independent), given)
+    problem = _problem(d.system, d.symbols, d.roles, motion, accelerations)
+    missing = missing_forces(problem, names, _influence(closure, d.symbols, d.roles))
+    place = {state.name: k for k, state in enumerate(equations.states)}
+    e = equations
+    return MotionResiduals(
+        time=e.time,
+        state=e.state,
+        algebraic=e.algebraic,
+        parameter=e.parameter,
+        acceleration=ops.column([free[name] for name in names]),
+        residual=driven_motions(d.symbols, d.moved, ops.column(missing)),
+        rows=tuple(place[joint.rate_name] for joint in joints),
+    )
 
 
 @dataclass(frozen=True)
@@ -209,19 +248,13 @@ def _dynamics(
     formulation: Formulation,
 ) -> Solved:
     """Solve the equations of motion for all accelerations."""
-    names = [j.name for j in symbols.joints]
     closure = _with_rates(closure, symbols, motion.rates)
-    at_rest = _given_accelerations(symbols, roles, motion.loads)
-    known = {k: at_rest[names[k]] for k in roles.driven}
-    for k, value in closure.dependent_accelerations(known).items():
-        at_rest[names[k]] = value
+    given = _given_accelerations(symbols, roles, motion.loads)
+    at_rest = _closed(closure, symbols, roles.driven, given)
     problem = _problem(system, symbols, roles, motion, at_rest)
-    influence = {
-        names[u]: {names[v]: entry for v, entry in row.items()}
-        for u, row in closure.influence(roles.independent).items()
-    }
+    influence = _influence(closure, symbols, roles)
     if influence:
-        independent = [names[k] for k in roles.independent]
+        independent = [symbols.joints[k].name for k in roles.independent]
         solved = solve_loops(problem, independent, influence, formulation)
     else:
         solved = solve_tree(problem, system.table, formulation)
@@ -230,6 +263,29 @@ def _dynamics(
         for v, entry in row.items():
             accelerations[u] = accelerations[u] + entry * solved[v]
     return _solved(problem, motion, accelerations)
+
+
+def _closed(
+    closure: Closure | MultiplierClosure,
+    symbols: Symbols,
+    known: Sequence[int],
+    given: dict[str, Scalar],
+) -> dict[str, Scalar]:
+    """Return accelerations with those of the dependent coordinates that known ones demand."""
+    names = [j.name for j in symbols.joints]
+    found = closure.dependent_accelerations({k: given[names[k]] for k in known})
+    return given | {names[k]: value for k, value in found.items()}
+
+
+def _influence(
+    closure: Closure | MultiplierClosure, symbols: Symbols, roles: Roles
+) -> dict[str, dict[str, Scalar]]:
+    """Return how the dependent rates follow the independent ones, by name."""
+    names = [j.name for j in symbols.joints]
+    return {
+        names[u]: {names[v]: entry for v, entry in row.items()}
+        for u, row in closure.influence(roles.independent).items()
+    }
 
 
 def _by_multipliers(

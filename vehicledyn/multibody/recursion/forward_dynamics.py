@@ -185,10 +185,30 @@ def _recast(problem: TreeProblem, other: RecastTree) -> TreeProblem:
 def _solve(
     p: TreeProblem, independent: list[str], influence: dict[str, dict[str, Scalar]]
 ) -> dict[str, Scalar]:
-    needed, _ = inverse_dynamics(p.kinematics, p.wrenches, p.gravity, p.inertias)
-    bias = {name: needed[name] - p.joint_forces.get(name, 0.0) for name in p.free}
+    bias = _bias(p)
     mass = mass_matrix(p.kinematics, set(p.free), p.inertias)
     return independent_accelerations(mass, bias, independent, influence)
+
+
+def _bias(p: TreeProblem) -> dict[str, Scalar]:
+    """Return what each free coordinate lacks for its motion."""
+    needed, _ = inverse_dynamics(p.kinematics, p.wrenches, p.gravity, p.inertias)
+    return {name: needed[name] - p.joint_forces.get(name, 0.0) for name in p.free}
+
+
+def missing_forces(
+    problem: TreeProblem, independent: Sequence[str], influence: dict[str, dict[str, Scalar]]
+) -> list[Scalar]:
+    """Return the forces on the independent coordinates that a motion needs and does not have.
+
+    Parameters are those of :func:`solve_closed`, but the motion has its accelerations.
+    """
+    bias = _bias(problem)
+    total = {name: bias[name] for name in independent}
+    for name, row in influence.items():
+        for other, entry in row.items():
+            total[other] = total[other] + entry * bias[name]
+    return list(total.values())
 
 
 def by_articulated(problem: TreeProblem, *, write: Writer = written_out) -> dict[str, Scalar]:

@@ -29,12 +29,14 @@ _EQUATIONS, _RESISTED = "equations", "resisted"
 class EquationMemory:
     """Facts, expressions and fingerprint of equations, and the key of their kernel.
 
-    ``has_residuals`` says whether the derivation can write the motion as residuals, too.
+    ``has_residuals`` and ``has_motion_residuals`` say whether the derivation can write the motion as
+    residuals, with multipliers and of accelerations.
     """
 
     facts: dict[str, Any]
     expressions: dict[str, Any]
     has_residuals: bool
+    has_motion_residuals: bool
     fingerprint: str
     kernel: str
 

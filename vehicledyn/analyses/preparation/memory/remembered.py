@@ -20,6 +20,7 @@ from vehicledyn.kernel.kernel import Kernel
 from vehicledyn.kernel.make_kernel import known_kernel
 from vehicledyn.symbolic.cached_equations import expressions_of, facts_of, whole_equations
 from vehicledyn.symbolic.constrained_equations import ConstrainedEquations
+from vehicledyn.symbolic.motion_residuals import MotionResiduals
 
 
 def remembered(target: Target, subject: Subject, key: str) -> tuple[Derived, Kernel | None]:
@@ -44,9 +45,20 @@ def remembered(target: Target, subject: Subject, key: str) -> tuple[Derived, Ker
             raise ValueError("the derivation has no residuals")
         return residuals()
 
-    residuals = constrained if memory.has_residuals else None
+    def motion_residuals() -> MotionResiduals:
+        """Return what the accelerations of the same motion fulfil."""
+        residuals = derived.derived_equations.motion_residuals
+        if residuals is None:
+            raise ValueError("the derivation has no residuals of accelerations")
+        return residuals()
+
     try:
-        equations = whole_equations(memory.facts, memory.expressions, residuals)
+        equations = whole_equations(
+            memory.facts,
+            memory.expressions,
+            constrained if memory.has_residuals else None,
+            motion_residuals if memory.has_motion_residuals else None,
+        )
     except (ArithmeticError, LookupError, RuntimeError, TypeError, ValueError):
         return fresh, None
     kernel = known_kernel(equations, memory.kernel)
@@ -61,7 +73,12 @@ def remember_derived(derived: Derived, kernel: Kernel) -> None:
     """Keep the equations of a derivation with the key of their compiled kernel."""
     e = derived.equations
     memory = EquationMemory(
-        facts_of(e), expressions_of(e), e.constrained is not None, fingerprint(e), kernel.key
+        facts_of(e),
+        expressions_of(e),
+        e.constrained is not None,
+        e.motion_residuals is not None,
+        fingerprint(e),
+        kernel.key,
     )
     remember_equations(derived.key, memory)
 
