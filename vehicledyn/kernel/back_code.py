@@ -24,19 +24,24 @@ _STAGES = 4
 """Stages of a step."""
 
 
+_Stages = tuple[Vector, Vector, Vector]
+"""States, unknowns and accelerations of stages, one row each."""
+
+
 @dataclass(frozen=True)
 class Record:
     """A motion on the way back: states and unknowns at the begin of every ``stride`` steps.
 
-    ``stages`` are those of all stages, None where they are too many to be kept. ``samples`` are
-    the points where intervals begin, and the end; ``n_bytes`` is what is kept of the others.
+    ``stages`` are those of all stages, with their accelerations, None where they are too many to be
+    kept. ``samples`` are the points where intervals begin, and the end; ``n_bytes`` is what is kept
+    of the others.
     """
 
     n_steps: int
     stride: int
     states: NDArray[np.float64]
     unknowns: NDArray[np.float64]
-    stages: tuple[Vector, Vector] | None
+    stages: _Stages | None
     samples: Samples
     n_bytes: int
 
@@ -60,14 +65,17 @@ class BackCode:
         n_x = self._n_x = len(e.states)
         n_z = self._n_z = len(e.unknowns)
         n_values, n_c = code.n_values, code.n_constants
-        one, of_c = code.stage.n_weights - 1, range(1 + n_x, 1 + n_x + n_c)
-        back = code.stage.program.transposed(of_c, one), range(n_x)
-        ends = code.seen.transposed([*range(1, 1 + n_x), *of_c], one)
+        n_a = self._n_a = len(code.stage.accelerated)
+        one, before = code.stage.n_weights - 1, 1 + n_x
+        of_c = range(before + n_z, before + n_z + n_c)
+        back = code.stage.program.transposed(of_c, one), range(n_z + n_x)
+        ends = code.seen.joined(before, n_z).transposed([*range(1, before), *of_c], one)
         behind = range(n_z, n_z + n_values)
         self._sums = BackSums.of(code.call, *back, lanes)
         self._ends = BackSums.of(code.call, ends, behind, lanes)
         nothing = passes(code.call, code.stage.program, np.zeros((1, 0)))
-        self._map = SlopeMap.of(n_x, code.by_state[0], nothing, lanes)
+        known, solution = code.by_state[0], code.stage.solution
+        self._map = SlopeMap.of(n_z + n_x, known, nothing, lanes, solution)
         self._numbers, self._bundle = code.numbers(), Bundle(code, np.zeros((n_c, 0)))
         self._steps = steps_of(grid)
         self.adjoint = np.zeros(n_x)
@@ -81,7 +89,8 @@ class BackCode:
         """Return a motion to go back over."""
         per = self._grid.per_interval
         n_steps, width = n_intervals * per, 8 * (self._n_x + self._n_z)
-        kept = n_steps * _STAGES * width <= _MOST_BYTES
+        of_stage = width + 8 * self._n_a
+        kept = n_steps * _STAGES * of_stage <= _MOST_BYTES
         each = n_steps if kept else max(1, ceil(sqrt(n_steps)))
         n_kept = -(-n_steps // each)
         states, unknowns = np.empty((n_kept, self._n_x)), np.empty((n_kept, self._n_z))
@@ -93,21 +102,22 @@ class BackCode:
             states[k], unknowns[k] = state, guess
             self._take(first, count, (state, guess), room)
             begins = np.arange(-(-first // per), -(-(first + count) // per))
-            for samples, found in zip(at, room, strict=True):
+            for samples, found in zip(at, room[:2], strict=True):
                 samples[begins] = found[(begins * per - first) * _STAGES]
         at[0][-1], at[1][-1] = state, guess
         times = self._grid.start + self._grid.interval * np.arange(n_intervals + 1, dtype=float)
-        n_bytes = width * (each * _STAGES + (0 if kept else n_kept))
+        n_bytes = of_stage * each * _STAGES + (0 if kept else width * n_kept)
         stages = room if kept else None
         return Record(
             n_steps, each, states, unknowns, stages, Samples(times, *at, np.zeros(0)), n_bytes
         )
 
-    def _stage_room(self, count: int) -> tuple[Vector, Vector]:
-        return np.empty((count * _STAGES, self._n_x)), np.empty((count * _STAGES, self._n_z))
+    def _stage_room(self, count: int) -> _Stages:
+        x, z, a = (np.empty((count * _STAGES, n)) for n in (self._n_x, self._n_z, self._n_a))
+        return x, z, a
 
-    def _stages(self, record: Record, block: int, count: int) -> tuple[Vector, Vector]:
-        """Return states and unknowns of the stages of a block, computed again if not kept."""
+    def _stages(self, record: Record, block: int, count: int) -> _Stages:
+        """Return the stages of a block, computed again if not kept."""
         if record.stages is not None:
             return record.stages
         room = self._stage_room(count)
@@ -158,9 +168,7 @@ class BackCode:
         """Return what is observed at points, shape (n, n_values)."""
         return self._bundle.found(samples, self._constants).values
 
-    def _take(
-        self, first: int, count: int, point: tuple[Vector, ...], room: tuple[Vector, Vector]
-    ) -> None:
+    def _take(self, first: int, count: int, point: tuple[Vector, ...], room: _Stages) -> None:
         status = self._code.call(
             "vd_record", self._steps, first, count, self._constants, *point, *room
         )

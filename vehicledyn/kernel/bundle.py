@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.codegen.passes.linear_program import Program
+from vehicledyn.codegen.passes.stage_program import NO_STEPS
 from vehicledyn.kernel.engine import Sides, Status, Vector
-from vehicledyn.kernel.plans import Passes, SlopeMap, aligned, passes
+from vehicledyn.kernel.plans import SlopeMap, aligned, passes
 from vehicledyn.kernel.tangent_code import Grid, Moment, TangentCode, Way, steps_of
 
 Array = NDArray[np.float64]
@@ -65,21 +65,26 @@ class Bundle:
         groups = self._groups = max(1, -(-self.n_directions // lanes))
         self._x = aligned((n_x, groups, lanes))
         self._at = aligned((2, groups, lanes))
-        seen = code.seen
-        room = aligned((1 + 3 * n_x, groups, lanes))
-        seeds = np.vstack([np.zeros((1 + n_x, self.n_directions)), constants])
+        programs = code.stage.program, code.seen
+        n_before = 1 + n_x + len(code.equations.unknowns)
+        most = max(len(program.targets) for program in programs)
+        room = aligned((1 + 2 * n_x + most, groups, lanes))
+        seeds = np.vstack([np.zeros((n_before, self.n_directions)), constants])
         self._maps: list[SlopeMap] = []
         self._directions: list[_Directions] = []
         self._kept = [room]
-        for program, by_state in zip((code.stage.program, seen), code.by_state, strict=True):
-            self._enter_map(program, by_state, passes(code.call, program, seeds), room)
+        solutions = code.stage.solution, NO_STEPS
+        for program, known, solution in zip(programs, code.by_state, solutions, strict=True):
+            moved = passes(code.call, program, seeds)
+            slopes = SlopeMap.of(len(program.targets), known, moved, lanes, solution)
+            self._enter_map(slopes, room)
         self._numbers = code.numbers()
 
-    def _enter_map(self, program: Program, known: Passes, moved: Passes, room: Array) -> None:
-        lanes, n_targets = self._code.lanes, len(program.targets)
-        added = aligned((lanes, n_targets, self._groups, lanes))
+    def _enter_map(self, slopes: SlopeMap, room: Array) -> None:
+        lanes = self._code.lanes
+        added = aligned((lanes, slopes.n_targets, self._groups, lanes))
         self._kept.append(added)
-        self._maps.append(SlopeMap.of(n_targets, known, moved, lanes))
+        self._maps.append(slopes)
         arrays = (self._x, self._at[0], self._at[1], room, added)
         addresses = [item.ctypes.data for item in arrays]
         self._directions.append(_Directions(self._groups, *addresses))
@@ -165,7 +170,8 @@ class Bundle:
         """Return the tangents of the rates at a moment, shape (n_states, n_directions)."""
         time, state, unknowns, constants = moment
         samples = Samples(np.array([time]), state[None], unknowns[None], self._x[None])
-        return np.asarray(self._points(0, samples, constants, None)[1][0])
+        found = self._points(0, samples, constants, None)[1][0]
+        return np.asarray(found[len(unknowns) :])
 
     def _points(
         self, number: int, points: Samples, constants: Vector, at: Vector | None

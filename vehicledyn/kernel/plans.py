@@ -16,12 +16,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.codegen.passes.linear_program import Program
+from vehicledyn.codegen.passes.stage_program import NO_STEPS, Solution
 
 Ints = NDArray[np.int32]
 _L, _P = ctypes.c_longlong, ctypes.c_void_p
 
-ABREAST = 8
-"""Directions of a plan, as passes.c has them."""
+ABREAST, FEW = 8, 4
+"""Directions of a plan, and of one for what is left, as passes.c has them."""
+
+_AT_ONCE = 64
+"""Directions that are weighed at once."""
 
 Call = Callable[..., int]
 
@@ -34,7 +38,7 @@ class _Program(ctypes.Structure):
 
 
 class _Pass(ctypes.Structure):
-    _fields_ = [("plan", _P), ("seeds", _P), ("first", _L)]
+    _fields_ = [("plan", _P), ("seeds", _P), ("first", _L), ("width", ctypes.c_int)]
 
 
 class Slopes(ctypes.Structure):
@@ -42,10 +46,11 @@ class Slopes(ctypes.Structure):
 
     _fields_ = [
         ("by_state", ctypes.c_int),
-        *[(name, _L) for name in ("n_targets", "n_passes", "n_moved")],
+        *[(name, _L) for name in ("n_targets", "n_passes", "n_moved", "n_steps")],
         ("passes", _P),
         *[(name, _P) for name in ("starts", "values", "sources")],
         *[(f"moved_{name}", _P) for name in ("values", "targets", "directions")],
+        *[(f"step_{name}", _P) for name in ("out", "scales", "starts", "columns", "which")],
         *[(name, _P) for name in ("slots", "results")],
     ]
 
@@ -77,7 +82,7 @@ class Plan:
 
 @dataclass(frozen=True)
 class Passes:
-    """Plans with seeds of their sources, eight directions each.
+    """Plans with seeds of their sources (n_sources, n_directions).
 
     ``entries`` (n, 3): target, direction and place among the results of all passes, of which
     ``n_before`` come from elsewhere.
@@ -91,44 +96,67 @@ class Passes:
 
 def plan(call: Call, program: Program, bits: NDArray[np.uint8]) -> Plan:
     """Return the plan from sources of a program that some directions move, as bits (n_sources,)."""
-    arrays = [
-        np.ascontiguousarray(item, dtype=np.int32)
-        for item in (program.out, program.starts, program.columns, program.which, program.targets)
-    ]
-    sizes = len(program.out), program.n_columns, len(program.targets)
-    given = _Program(*sizes, *[item.ctypes.data for item in arrays])
+    given, sizes = _Given(program), (len(program.out), len(program.columns))
     every = np.zeros(program.n_columns, np.uint8)
     every[: len(bits)] = bits
-    room = np.empty(2 + 4 * len(program.out) + 2 * len(program.columns), np.int32)
-    number, found = np.empty(sizes[2] + 1, np.int32), np.empty(sizes[2] + 1, np.uint8)
-    length = call("vd_plan", ctypes.addressof(given), every, room, number, found)
+    room = np.empty(2 + 4 * sizes[0] + 2 * sizes[1], np.int32)
+    n_targets = len(program.targets)
+    number, found = np.empty(n_targets + 1, np.int32), np.empty(n_targets + 1, np.uint8)
+    length = call("vd_plan", given.address, every, room, number, found)
     if not length:
         raise MemoryError
     return Plan(room[:length].copy(), number[:-1], found[:-1])
 
 
+class _Given:
+    """A program as C reads it."""
+
+    def __init__(self, program: Program) -> None:
+        p = program
+        self._arrays = [
+            np.ascontiguousarray(item, dtype=np.int32)
+            for item in (p.out, p.starts, p.columns, p.which, p.targets)
+        ]
+        sizes = len(p.out), p.n_columns, len(p.targets)
+        self._program = _Program(*sizes, *[item.ctypes.data for item in self._arrays])
+        self.address = ctypes.addressof(self._program)
+
+
 def passes(call: Call, program: Program, seeds: NDArray[np.float64]) -> Passes:
-    """Return the passes ahead for directions that move sources, seeds (n_sources, n_directions)."""
-    n_sources, count = seeds.shape
-    groups = -(-count // ABREAST)
-    padded = np.zeros((n_sources, groups * ABREAST))
-    padded[:, :count] = seeds
+    """Return the passes ahead for directions that move sources, seeds (n_sources, n_directions).
+
+    Those that lead to about as many rows go together.
+    """
     plans, own_seeds, entries, first = [], [], [np.zeros((0, 3), dtype=np.int64)], 0
-    for group in range(groups):
-        own = np.ascontiguousarray(padded[:, group * ABREAST : (group + 1) * ABREAST])
-        bits = (own != 0.0) @ (1 << np.arange(ABREAST))
-        if not bits.any():
-            continue
+    for group in _groups(call, program, seeds):
+        width = FEW if len(group) <= FEW else ABREAST
+        own = np.zeros((len(seeds), width))
+        own[:, : len(group)] = seeds[:, group]
+        bits = (own != 0.0) @ (1 << np.arange(width))
         made = plan(call, program, bits.astype(np.uint8))
-        for k in range(ABREAST):
+        for k, direction in enumerate(group):
             targets = np.flatnonzero((made.number >= 0) & (made.directions >> k & 1 > 0))
-            directions = np.full(len(targets), group * ABREAST + k)
-            places = first + ABREAST * made.number[targets] + k
+            directions = np.full(len(targets), direction)
+            places = first + width * made.number[targets] + k
             entries.append(np.stack([targets, directions, places], axis=1))
         plans.append(made)
         own_seeds.append(own)
-        first += ABREAST * made.n_results
+        first += width * made.n_results
     return Passes(plans, own_seeds, np.concatenate(entries))
+
+
+def _groups(call: Call, program: Program, seeds: NDArray[np.float64]) -> list[NDArray[np.intp]]:
+    """Return the directions that go together, those that move nothing left out."""
+    given, moved, counts = _Given(program), seeds != 0.0, []
+    for first in range(0, seeds.shape[1], _AT_ONCE):
+        own = moved[:, first : first + _AT_ONCE]
+        bits, found = np.zeros(program.n_columns, np.uint64), np.zeros(_AT_ONCE, np.int64)
+        bits[: len(seeds)] = own @ (np.uint64(1) << np.arange(own.shape[1], dtype=np.uint64))
+        call("vd_weigh_directions", given.address, bits, found)
+        counts += found[: own.shape[1]].tolist()
+    active = np.flatnonzero(moved.any(axis=0))
+    order = active[np.argsort(-np.array(counts, dtype=np.int64)[active], kind="stable")]
+    return [order[k : k + ABREAST] for k in range(0, len(order), ABREAST)]
 
 
 @dataclass
@@ -140,8 +168,17 @@ class SlopeMap:
     _kept: list[Any] = field(default_factory=list)
 
     @staticmethod
-    def of(n_targets: int, known: Passes, moved: Passes, lanes: int) -> SlopeMap:
-        """Return the map of passes by time and states and of passes by constants."""
+    def of(
+        n_targets: int,
+        known: Passes,
+        moved: Passes,
+        lanes: int,
+        solution: Solution = NO_STEPS,
+    ) -> SlopeMap:
+        """Return the map of passes by time, states and first results, and of passes by constants.
+
+        The steps of ``solution`` on the results follow.
+        """
         kept: list[Any] = []
 
         def address(array: NDArray[Any]) -> int:
@@ -151,22 +188,25 @@ class SlopeMap:
         whole = [
             (p, s) for own in (known, moved) for p, s in zip(own.plans, own.seeds, strict=True)
         ]
-        firsts = np.cumsum([known.n_before, *[ABREAST * p.n_results for p, _ in whole]])
+        firsts = np.cumsum([known.n_before, *[s.shape[1] * p.n_results for p, s in whole]])
         rows = (_Pass * max(1, len(whole)))()
         for k, (one, seeds) in enumerate(whole):
-            rows[k] = _Pass(address(one.numbers), address(seeds), int(firsts[k]))
+            rows[k] = _Pass(address(one.numbers), address(seeds), int(firsts[k]), seeds.shape[1])
         kept.append(rows)
         by_state = known.entries[np.lexsort(known.entries.T[1::-1])]
         starts = np.searchsorted(by_state[:, 0], np.arange(n_targets + 1))
         own = moved.entries.copy()
         own[:, 2] += firsts[len(known.plans)]
         lists = [starts, by_state[:, 2], by_state[:, 1], own[:, 2], own[:, 0], own[:, 1]]
+        lists += [solution.out, solution.scales, solution.starts]
+        lists += [solution.columns, solution.which]
         n_slots = max([1, *[p.n_slots for p, _ in whole]])
         slopes = Slopes(
             int(known.n_before > 0),
             n_targets,
             len(whole),
             len(own),
+            len(solution.out),
             ctypes.addressof(rows),
             *[address(np.ascontiguousarray(item, dtype=np.int32)) for item in lists],
             address(aligned((ABREAST * n_slots, lanes))),

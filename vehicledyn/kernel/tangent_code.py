@@ -14,17 +14,22 @@ import numpy as np
 from vehicledyn.base.errors import MissingPartError, NumericalError
 from vehicledyn.codegen.ir.table_rows import TableRows
 from vehicledyn.codegen.passes.kernel_functions import derive_functions
-from vehicledyn.codegen.passes.linear_program import (
+from vehicledyn.codegen.passes.linear_program import Program
+from vehicledyn.codegen.passes.stage_program import (
     PointProgram,
-    Program,
     StageProgram,
     point_program,
     stage_program,
+    suitable_residuals,
 )
 from vehicledyn.codegen.printers.tangent_source import tangent_lanes, tangent_source
 from vehicledyn.codegen.toolchain import cache
 from vehicledyn.codegen.toolchain.compiler import CompilationError, build_library, find_compiler
-from vehicledyn.codegen.toolchain.fingerprint import fingerprint, generator_fingerprint
+from vehicledyn.codegen.toolchain.fingerprint import (
+    fingerprint,
+    function_text,
+    generator_fingerprint,
+)
 from vehicledyn.kernel.engine import Status, Vector
 from vehicledyn.kernel.plans import Passes, aligned, passes
 from vehicledyn.symbolic import ops
@@ -36,13 +41,14 @@ _SIGNATURES: dict[str, tuple[Any, Sequence[Any]]] = {
     "vd_prepare": (None, [_P, _P]),
     "vd_solve_point": (_I, [_D, _P, _P, _P]),
     "vd_plan": (_L, [_P] * 5),
+    "vd_weigh_directions": (None, [_P] * 3),
     "vd_share": (None, [_L, _P, _P]),
     "vd_tangent_steps": (_I, [_P, _L, _L, *[_P] * 10]),
     "vd_tangent_points": (_I, [_L, *[_P] * 10]),
 }
 _BACK: dict[str, tuple[Any, Sequence[Any]]] = {
-    "vd_record": (_I, [_P, _L, _L, *[_P] * 5]),
-    "vd_steps_back": (_I, [_P, _L, _L, *[_P] * 7]),
+    "vd_record": (_I, [_P, _L, _L, *[_P] * 6]),
+    "vd_steps_back": (_I, [_P, _L, _L, *[_P] * 8]),
     "vd_values_back": (_I, [_L, *[_P] * 8]),
 }
 
@@ -89,9 +95,11 @@ class TangentCode:
         MissingPartError where no C compiler works: what is wrong with an input comes first.
         """
         self.equations, self.channels, self.back = equations, tuple(channels), back
-        functions = derive_functions(equations)
+        residuals = suitable_residuals(equations)
+        functions = derive_functions(equations, residuals)
         self._prepare = functions.prepare
-        self.stage: StageProgram = stage_program(equations, functions)
+        accelerated = () if residuals is None else residuals.rows
+        self.stage: StageProgram = stage_program(equations, functions, accelerated)
         self.observed: PointProgram = point_program(functions, self._observed(functions))
         self.n_values: int = self.observed.function.numel_out(0)
         self.lanes = tangent_lanes()
@@ -124,9 +132,11 @@ class TangentCode:
                 function.restype, function.argtypes = result, arguments
             return library
 
+        balance = self._functions.balance
         parts = (
             "tangents",
             repr((self.channels, self.back)),
+            "" if balance is None else function_text(balance, self.equations.tables),
             generator_fingerprint(),
             compiler.identity,
         )
@@ -171,13 +181,13 @@ class TangentCode:
         """The program of unknowns and what is observed."""
         stage = self.stage
         return stage.program.with_values(
-            stage.unknowns, self.observed.program, self.stage.n_weights
+            stage.n_unknowns, self.observed.program, stage.n_weights
         )
 
     @cached_property
     def by_state(self) -> tuple[Passes, Passes]:
-        """Passes by time and states: to the rates, which are compiled, and to what is seen."""
-        one = np.eye(1 + len(self.equations.states))
+        """Passes by time, states and unknowns: to the rates, compiled, and to what is seen."""
+        one = np.eye(1 + len(self.equations.states) + len(self.equations.unknowns))
         count = _I.in_dll(self._library, "vd_pattern").value
         pattern = np.array((_I * (1 + 2 * count)).in_dll(self._library, "vd_pattern")[1:])
         entries = np.column_stack([pattern.reshape(count, 2), np.arange(count)])
@@ -222,7 +232,7 @@ class Numbers:
         """Make room."""
         stage, observed = code.stage, code.observed
         n_x, n_z = len(code.equations.states), len(code.equations.unknowns)
-        n_inverse = stage.function.numel_out(2)
+        n_accelerated, n_inverse = len(stage.accelerated), stage.function.numel_out(1)
         before = stage.n_weights
         n_observed = observed.function.numel_out(1)
         fixed = stage.program.fixed, observed.program.fixed
@@ -231,7 +241,8 @@ class Numbers:
         self._weights = aligned((before + n_observed + len(fixed[1]) + 1, code.lanes))
         for own, first in zip(fixed, (before - len(fixed[0]), before + n_observed), strict=True):
             self._weights[first : first + len(own)] = own[:, None]
-        self._points = aligned((1 + 2 * (n_x + 1) + n_z + 1 + n_inverse + 1, code.lanes))
+        sizes = n_x, n_z, n_accelerated, n_inverse
+        self._points = aligned((1 + sum(sizes) + len(sizes), code.lanes))
         self._lanes = aligned((1, code.lanes))
         self._struct = (_P * 4)()
 

@@ -83,12 +83,13 @@ class Condensed:
     """A symmetric system of which some unknowns are eliminated, the kept ones not.
 
     ``rows`` and ``side`` are what is left for the kept unknowns, at their old places; ``steps``
-    are the pivots with their factors, in the order of elimination.
+    are the pivots with their factors, in the order of elimination, ``inverses`` one over them.
     """
 
     rows: Rows
     side: list[Scalar]
     steps: list[tuple[int, dict[int, Scalar]]]
+    inverses: list[Scalar]
 
     def solution(self, known: dict[int, Scalar]) -> dict[int, Scalar]:
         """Return all unknowns, given the kept ones."""
@@ -121,6 +122,7 @@ def condense_symmetric(matrix: Rows, right: Sequence[Scalar], keep: Iterable[int
     remaining = [{j: v for j, v in row.items() if not _is_zero(v)} for row in matrix]
     side = list(right)
     steps: list[tuple[int, dict[int, Scalar]]] = []
+    inverses: list[Scalar] = []
     open_rows = set(range(len(matrix))) - set(keep)
     while open_rows:
         pivot = min(open_rows, key=lambda i: (len(remaining[i]), i))
@@ -139,8 +141,9 @@ def condense_symmetric(matrix: Rows, right: Sequence[Scalar], keep: Iterable[int
                     remaining[k][j] = value
         side[pivot] = side[pivot] * inverse
         steps.append((pivot, factors))
+        inverses.append(inverse)
         open_rows.discard(pivot)
-    return Condensed(remaining, side, steps)
+    return Condensed(remaining, side, steps, inverses)
 
 
 def transpose(rows: Rows, columns: int) -> Rows:

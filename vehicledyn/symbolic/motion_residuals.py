@@ -20,8 +20,8 @@ class MotionResiduals:
     """Residuals of a motion at given accelerations.
 
     ``residual`` (n,) is r in terms of the symbols ``time``, ``state``, ``algebraic``,
-    ``parameter`` and ``acceleration`` (n,), which is linear in the last; ``rows`` are the states
-    whose rates the accelerations are.
+    ``parameter`` and ``acceleration`` (n,), ``mass`` (n, n) is ∂r/∂a, symmetric; ``rows`` are the
+    states whose rates the accelerations are.
     """
 
     time: Expression
@@ -30,4 +30,5 @@ class MotionResiduals:
     parameter: Expression
     acceleration: Expression
     residual: Expression
+    mass: Expression
     rows: tuple[int, ...]

@@ -21,6 +21,7 @@ from vehicledyn.codegen.passes.signed_constants import mirrored_constants
 from vehicledyn.codegen.passes.split_calls import call_apart
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Equations
+from vehicledyn.symbolic.motion_residuals import MotionResiduals
 from vehicledyn.symbolic.table_calls import calls_in
 from vehicledyn.symbolic.tables import CurveTable, table_of
 
@@ -35,7 +36,9 @@ class KernelFunctions:
     """CasADi functions of a kernel; ``blocks`` are in the order of the equations' blocks.
 
     ``waves`` return residual and Jacobian of neighbouring blocks that do not depend on each
-    other, in one column, and ``wave_starts`` are their first blocks.
+    other, in one column, and ``wave_starts`` are their first blocks. ``balance``, where it is wanted:
+    (t, x, z, a, c) -> what accelerations a miss, and the columns of ∂/∂a, see
+    :class:`~vehicledyn.symbolic.motion_residuals.MotionResiduals`.
     """
 
     prepare: Any
@@ -46,23 +49,35 @@ class KernelFunctions:
     resets: Any
     waves: tuple[Any, ...]
     wave_starts: tuple[int, ...]
+    balance: Any = None
 
 
-def derive_functions(equations: Equations) -> KernelFunctions:
-    """Return the functions of a kernel for some equations."""
+def derive_functions(
+    equations: Equations, residuals: MotionResiduals | None = None
+) -> KernelFunctions:
+    """Return the functions of a kernel for some equations, and of what accelerations fulfil."""
     import casadi
 
     time, state, unknown = equations.time, equations.state, equations.algebraic
     expressions: Any = [equations.rate, equations.output, *event_expressions(equations)]
     expressions += block_expressions(equations)
-    given = [time, state, unknown, equations.parameter]
+    n_kernel = len(expressions)
+    acceleration = casadi.SX(0, 1) if residuals is None else residuals.acceleration
+    if residuals is not None:
+        symbols = [time, state, unknown, acceleration, equations.parameter]
+        expressions += _missing(residuals, symbols)
+    given = [time, state, unknown, acceleration, equations.parameter]
     expressions, constants, values = _apart(given, expressions)
     inputs = [time, state, unknown, constants]
     starts = wave_starts(equations)
     waves = [
         casadi.Function(f"wave_{k}", inputs, [column])
-        for k, column in enumerate(_wave_columns(equations, starts, expressions[4:]))
+        for k, column in enumerate(_wave_columns(equations, starts, expressions[4:n_kernel]))
     ]
+    balance = None
+    if residuals is not None:
+        at = [time, state, unknown, acceleration, constants]
+        balance = casadi.Function("balance", at, expressions[n_kernel:])
     return KernelFunctions(
         prepare=_prepare(equations.parameter, values, equations.tables),
         rates=casadi.Function("rates", inputs, expressions[:1]),
@@ -75,7 +90,17 @@ def derive_functions(equations: Equations) -> KernelFunctions:
         resets=casadi.Function("resets", inputs, expressions[3:4]),
         waves=tuple(waves),
         wave_starts=starts,
+        balance=balance,
     )
+
+
+def _missing(residuals: MotionResiduals, symbols: list[Any]) -> list[Any]:
+    """Return residuals and mass matrix in terms of symbols (t, x, z, a, p)."""
+    import casadi
+
+    r = residuals
+    own = [r.time, r.state, r.algebraic, r.acceleration, r.parameter]
+    return list(casadi.Function("missing", own, [r.residual, r.mass])(*symbols))
 
 
 def kernel_columns(equations: Equations) -> tuple[list[str], list[Any], tuple[int, ...]]:

@@ -107,6 +107,7 @@ def _rules() -> dict[int, Callable[[int, list[Any], Any], Any]]:
         casadi.OP_DIV: lambda place, given, value: (
             1.0 / given[1] if place == 0 else -value * (1.0 / given[1])
         ),
+        casadi.OP_INV: lambda place, given, value: -(value * value),
         casadi.OP_SQRT: lambda place, given, value: 0.5 / value,
         casadi.OP_IF_ELSE_ZERO: lambda place, given, value: casadi.if_else(given[0], 1.0, 0.0),
     }

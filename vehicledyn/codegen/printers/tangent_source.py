@@ -6,8 +6,8 @@ from typing import Any
 
 from vehicledyn.codegen.ir.table_rows import ROW
 from vehicledyn.codegen.passes.kernel_functions import KernelFunctions
-from vehicledyn.codegen.passes.linear_program import PointProgram, StageProgram
 from vehicledyn.codegen.passes.slp_rows import PLACES
+from vehicledyn.codegen.passes.stage_program import PointProgram, StageProgram
 from vehicledyn.codegen.printers.c_printer import print_function
 from vehicledyn.codegen.printers.kernel_source import (
     comes_in_units,
@@ -25,6 +25,7 @@ from vehicledyn.codegen.toolchain.compiler import UNIT_BREAK, suitable_lanes
 from vehicledyn.symbolic.equations import Equations
 
 _ARGUMENTS = ("t", "x", "z", "c")
+_WITH_ACCELERATIONS = ("t", "x", "z", "a", "c")
 
 
 def tangent_lanes() -> int:
@@ -54,8 +55,8 @@ def tangent_source(
     runtime = map(shared_source, ("event_sides.c", "stage_points.c"))
     motion = [*head, *texts, events_text(equations, functions), copies.text, *runtime]
     at_points = [
-        _apart(stage.function, "linearise", equations),
-        _apart(observed.function, "observe", equations),
+        _apart(stage.function, "linearise", _WITH_ACCELERATIONS, equations),
+        _apart(observed.function, "observe", _ARGUMENTS, equations),
         _by_state(equations, stage),
         _following(equations, stage, observed, back=back),
     ]
@@ -64,23 +65,24 @@ def tangent_source(
     return UNIT_BREAK.join([*units, "\n".join(motion), *wide_units(wide)])
 
 
-def _apart(function: Any, name: str, equations: Equations) -> str:
+def _apart(function: Any, name: str, inputs: tuple[str, ...], equations: Equations) -> str:
     """Return the text of a function at several points side by side."""
     results = [f"r{k}" for k in range(function.n_out())]
-    given = ", ".join(f"const real *{item}" for item in _ARGUMENTS)
+    given = ", ".join(f"const real *{item}" for item in inputs)
     given += "".join(f", real *{item}" for item in results)
-    call = ", ".join([*_ARGUMENTS, *results])
+    call = ", ".join([*inputs, *results])
     return "\n".join(
         [
-            print_function(function, name, _ARGUMENTS, tables=equations.tables),
+            print_function(function, name, inputs, tables=equations.tables),
             f"void vd_{name}_apart({given}) {{\n  {name}({call});\n}}\n",
         ]
     )
 
 
 def _by_state(equations: Equations, stage: StageProgram) -> str:
-    """Return the text of the derivatives of rates by time and states."""
-    text, pattern = print_jacobian(stage.program, 1 + len(equations.states), "by_state")
+    """Return the text of the derivatives of unknowns and rates by time, states and unknowns."""
+    n_sources = 1 + len(equations.states) + len(equations.unknowns)
+    text, pattern = print_jacobian(stage.program, n_sources, "by_state")
     numbers = [len(pattern), *[k for pair in pattern for k in pair]]
     return "\n".join(
         [
@@ -95,10 +97,11 @@ def _following(
     equations: Equations, stage: StageProgram, observed: PointProgram, *, back: bool
 ) -> str:
     """Return the text that follows derivatives through a motion."""
-    n_own, n_inverse = stage.function.numel_out(1), stage.function.numel_out(2)
+    n_own, n_inverse = stage.function.numel_out(0), stage.function.numel_out(1)
     sizes = {
         "NX": len(equations.states),
         "NZ": len(equations.unknowns),
+        "NA": len(stage.accelerated),
         "NQ": len(equations.positions),
         "NU": n_own,
         "NI": n_inverse,
@@ -110,6 +113,7 @@ def _following(
             *[f"#define {name} {size}" for name, size in sizes.items()],
             listed("static const int", "positions", equations.positions),
             listed("static const int", "velocities", equations.velocities),
+            listed("static const int", "accelerated", stage.accelerated),
             shared_source("passes.c"),
             shared_source("tangents_ahead.c"),
             *([shared_source("back.c")] if back else []),

@@ -1,11 +1,9 @@
 /* Derivatives at several points side by side, a lane for each.
    A program has columns: sources, then rows, each a sum of weights times columns before it. A plan
-   holds the rows of a program that lead from some sources to its results, for eight directions at
-   once where it goes ahead, and for one where it goes back. */
+   holds the rows of a program that lead from some sources to its results, for eight or four
+   directions at once where it goes ahead, and for one where it goes back. */
 
 #include <stdlib.h>
-
-enum { VD_ABREAST = 8 };
 
 struct program {
   long long n_rows, n_columns, n_targets;
@@ -80,40 +78,58 @@ VD_EXPORT long long vd_plan(const struct program *p, unsigned char *bits, int *p
   return next - plan;
 }
 
-#define VD_EIGHT(act) act(0) act(1) act(2) act(3) act(4) act(5) act(6) act(7)
+/* Add up how many columns of rows each direction moves: bits (n_columns) say which directions move
+   the sources, up to 64; counts (64) grow. */
+VD_EXPORT void vd_weigh_directions(const struct program *p, unsigned long long *bits,
+                                   long long *counts) {
+  for (long long k = 0; k < p->n_rows; k++) {
+    unsigned long long own = 0;
+    for (int i = p->starts[k]; i < p->starts[k + 1]; i++) own |= bits[p->columns[i]];
+    bits[p->out[k]] = own;
+    for (int d = 0; own; d++, own >>= 1)
+      if (own & 1) counts[d] += p->starts[k + 1] - p->starts[k];
+  }
+}
+
+#define VD_FOUR(act) act(0) act(1) act(2) act(3)
+#define VD_EIGHT(act) VD_FOUR(act) act(4) act(5) act(6) act(7)
 #define VD_BEGIN(k) real a##k = zero;
 #define VD_ADD_SEED(k) a##k = vd_fma(weight, vd_all(s[k]), a##k);
 #define VD_ADD(k) a##k = vd_fma(weight, s[k], a##k);
 #define VD_PUT(k) to[k] = a##k;
 
-/* Eight directions ahead: seeds are those of the sources, numbers that all points share. */
-static void pass_ahead(const int *plan, const real *w, const double *seeds, real *slots,
-                       real *results) {
-  const real zero = vd_all(0.0);
-  int rows = *plan;
-  for (plan += 2; rows > 0; rows--) {
-    const int slot = plan[0], result = plan[1], inner = plan[3];
-    int own = plan[2];
-    VD_EIGHT(VD_BEGIN)
-    for (plan += 4; own > 0; own--, plan += 2) {
-      const real weight = w[plan[0]];
-      const double *s = seeds + VD_ABREAST * plan[1];
-      VD_EIGHT(VD_ADD_SEED)
-    }
-    for (const int *end = plan + 2 * inner; plan < end; plan += 2) {
-      const real weight = w[plan[0]], *s = slots + VD_ABREAST * plan[1];
-      VD_EIGHT(VD_ADD)
-    }
-    if (slot >= 0) {
-      real *to = slots + VD_ABREAST * slot;
-      VD_EIGHT(VD_PUT)
-    }
-    if (result >= 0) {
-      real *to = results + VD_ABREAST * result;
-      VD_EIGHT(VD_PUT)
-    }
+/* Several directions ahead: seeds are those of the sources, numbers that all points share. */
+#define VD_AHEAD(name, width, every)                                                              \
+  static void name(const int *plan, const real *w, const double *seeds, real *slots,              \
+                   real *results) {                                                               \
+    const real zero = vd_all(0.0);                                                                \
+    int rows = *plan;                                                                             \
+    for (plan += 2; rows > 0; rows--) {                                                           \
+      const int slot = plan[0], result = plan[1], inner = plan[3];                                \
+      int own = plan[2];                                                                          \
+      every(VD_BEGIN)                                                                             \
+      for (plan += 4; own > 0; own--, plan += 2) {                                                \
+        const real weight = w[plan[0]];                                                           \
+        const double *s = seeds + width * plan[1];                                                \
+        every(VD_ADD_SEED)                                                                        \
+      }                                                                                           \
+      for (const int *end = plan + 2 * inner; plan < end; plan += 2) {                            \
+        const real weight = w[plan[0]], *s = slots + width * plan[1];                             \
+        every(VD_ADD)                                                                             \
+      }                                                                                           \
+      if (slot >= 0) {                                                                            \
+        real *to = slots + width * slot;                                                          \
+        every(VD_PUT)                                                                             \
+      }                                                                                           \
+      if (result >= 0) {                                                                          \
+        real *to = results + width * result;                                                      \
+        every(VD_PUT)                                                                             \
+      }                                                                                           \
+    }                                                                                             \
   }
-}
+
+VD_AHEAD(pass_four, 4, VD_FOUR)
+VD_AHEAD(pass_eight, 8, VD_EIGHT)
 
 /* One direction, each point with seeds of its own. */
 static void pass_one(const int *plan, const real *w, const real *seeds, real *slots,
@@ -131,35 +147,41 @@ static void pass_one(const int *plan, const real *w, const real *seeds, real *sl
   }
 }
 
-/* A plan with its seeds, and where its results lie. */
+/* A plan for `width` directions with its seeds, and where its results lie. */
 struct pass {
   const int *plan;
   const double *seeds;
   long long first;
+  int width;
 };
 
 void vd_by_state_apart(const real *w, real *j);
 
-/* Derivatives of n_targets results: by time and states, row after row, as places of values among
-   those of by_state, where this is asked for, and of the passes, and by directions of the
-   constants. */
+/* Derivatives of n_targets results by time, states and the first n_inner results, row after row:
+   places of values among those of by_state, where this is asked for, and of the passes; and by
+   directions of the constants. A row follows from results before it alone. Steps of a solution
+   follow, which change the results in their places. */
 struct slopes {
   int by_state;
-  long long n_targets, n_passes, n_moved;
+  long long n_targets, n_passes, n_moved, n_steps;
   const struct pass *passes;
   const int *starts, *values, *sources;
   const int *moved_values, *moved_targets, *moved_directions;
+  const int *step_out, *step_scales, *step_starts, *step_columns, *step_which;
   real *slots, *results;
 };
 
 static void find_slopes(const struct slopes *s, const real *w) {
   if (s->by_state) vd_by_state_apart(w, s->results);
-  for (long long k = 0; k < s->n_passes; k++)
-    pass_ahead(s->passes[k].plan, w, s->passes[k].seeds, s->slots, s->results + s->passes[k].first);
+  for (long long k = 0; k < s->n_passes; k++) {
+    const struct pass *p = s->passes + k;
+    (p->width == 4 ? pass_four : pass_eight)(p->plan, w, p->seeds, s->slots,
+                                             s->results + p->first);
+  }
 }
 
 int vd_inverses(const double *jacobian, double *inverse);
-void vd_linearise_apart(const real *t, const real *x, const real *z, const real *c, real *rate,
+void vd_linearise_apart(const real *t, const real *x, const real *z, const real *a, const real *c,
                         real *w, real *jacobian);
 void vd_observe_apart(const real *t, const real *x, const real *z, const real *c, real *values,
                       real *w);
@@ -167,31 +189,18 @@ void vd_observe_apart(const real *t, const real *x, const real *z, const real *c
 /* Weights at up to VD_LANES points: w holds those of the rates and the unknowns, those of their
    inverses, and behind all fixed ones those of what is observed. */
 struct points {
-  real t, x[NX + 1], z[NZ + 1], rate[NX + 1], jacobian[NI + 1];
+  real t, x[NX + 1], z[NZ + 1], a[NA + 1], jacobian[NI + 1];
 };
 
-static void gather(struct points *p, int count, const double *t, const double *x,
-                   const double *z) {
+static void gather(struct points *p, int count, const double *t, const double *x, const double *z,
+                   const double *a) {
   for (int lane = 0; lane < VD_LANES; lane++) {
     const int own = lane < count ? lane : count - 1;
     ((double *)&p->t)[lane] = t[own];
     for (int i = 0; i < NX; i++) ((double *)(p->x + i))[lane] = x[own * NX + i];
     for (int i = 0; i < NZ; i++) ((double *)(p->z + i))[lane] = z[own * NZ + i];
+    for (int i = 0; i < NA; i++) ((double *)(p->a + i))[lane] = a[own * NA + i];
   }
-}
-
-static int weigh(struct points *p, int count, const double *t, const double *x, const double *z,
-                 const real *c, real *w) {
-  double jacobian[NI + 1], inverse[NI + 1];
-  gather(p, count, t, x, z);
-  vd_linearise_apart(&p->t, p->x, p->z, c, p->rate, w, p->jacobian);
-  for (int lane = 0; NI && lane < VD_LANES; lane++) {
-    for (int i = 0; i < NI; i++) jacobian[i] = VD_LANE(p->jacobian[i], lane);
-    const int status = vd_inverses(jacobian, inverse);
-    if (status) return status;
-    for (int i = 0; i < NI; i++) ((double *)(w + NU + i))[lane] = inverse[i];
-  }
-  return 0;
 }
 
 /* Enter numbers that all points share: constants, and weights that are fixed. */
@@ -209,8 +218,9 @@ static double time_of(long long step, double part, double start, double interval
 
 #define INSIDE 1e-8
 enum { RK4 = 0, SYMPLECTIC_EULER = 1 };
-enum { VD_STAGES = 4, NXR = NX > 0 ? NX : 1, NZR = NZ > 0 ? NZ : 1 };
+enum { VD_STAGES = 4, NXR = NX > 0 ? NX : 1, NZR = NZ > 0 ? NZ : 1, NAR = NA > 0 ? NA : 1 };
 
+void vd_rates_at(double t, const double *x, const double *z, const double *c, double *rates);
 int vd_end_of_step(double t, const double *x, const double *z, const double *c, int *sides,
                    int is_sample);
 int vd_stage_points(int method, const double *times, double h, const double *c, double *x,
@@ -238,3 +248,43 @@ static double step_of(const struct steps *s) {
 }
 
 static int stages_of(const struct steps *s) { return s->method == RK4 ? VD_STAGES : 1; }
+
+/* Accelerations, those of the rates that are. */
+static void accelerations(const double *rates, double *a) {
+  for (int i = 0; i < NA; i++) a[i] = rates[accelerated[i]];
+}
+
+/* Numbers of a run: constants as given and in lanes, room for weights and points. */
+struct numbers {
+  const double *c;
+  const real *lanes;
+  real *w;
+  struct points *points;
+};
+
+static int weigh(const struct numbers *given, int count, const double *t, const double *x,
+                 const double *z, const double *a) {
+  double jacobian[NI + 1], inverse[NI + 1];
+  struct points *p = given->points;
+  real *w = given->w;
+  gather(p, count, t, x, z, a);
+  vd_linearise_apart(&p->t, p->x, p->z, p->a, given->lanes, w, p->jacobian);
+  for (int lane = 0; NI && lane < VD_LANES; lane++) {
+    for (int i = 0; i < NI; i++) jacobian[i] = VD_LANE(p->jacobian[i], lane);
+    const int status = vd_inverses(jacobian, inverse);
+    if (status) return status;
+    for (int i = 0; i < NI; i++) ((double *)(w + NU + i))[lane] = inverse[i];
+  }
+  return 0;
+}
+
+/* Weights at up to VD_LANES points of which the accelerations are not known. */
+static int weigh_points(const struct numbers *given, int count, const double *t, const double *x,
+                        const double *z) {
+  double rates[NXR], a[VD_LANES][NAR];
+  for (int k = 0; NA && k < count; k++) {
+    vd_rates_at(t[k], x + k * NX, z + k * NZ, given->c, rates);
+    accelerations(rates, a[k]);
+  }
+  return weigh(given, count, t, x, z, &a[0][0]);
+}

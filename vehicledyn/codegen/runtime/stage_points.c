@@ -45,6 +45,10 @@ int vd_end_of_step(double t, const double *x, const double *z, const double *c, 
   return course.status[0];
 }
 
+void vd_rates_at(double t, const double *x, const double *z, const double *c, double *rate) {
+  rates(&t, x, z, c, rate);
+}
+
 /* A stage: its unknowns, solved from the guess in z, and its rates. */
 static int enter_stage(double t, const double *x, double *z, const double *c, double *rate) {
   const int status = vd_solve_point(t, x, z, c);

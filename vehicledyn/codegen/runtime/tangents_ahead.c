@@ -10,14 +10,6 @@ struct directions {
   real *x, *from, *to, *room, *moved;
 };
 
-/* Numbers of a run: constants as given and in lanes, room for weights and points. */
-struct numbers {
-  const double *c;
-  const real *lanes;
-  real *w;
-  struct points *points;
-};
-
 static void spread_moved(const struct slopes *s, long long n, int count, real *moved) {
   double *to = (double *)moved;
   const long long point = s->n_targets * n * VD_LANES;
@@ -28,40 +20,61 @@ static void spread_moved(const struct slopes *s, long long n, int count, real *m
   }
 }
 
-#define VD_COMBINE(name, width, begin, add, end)                                                  \
-  static void name(const struct slopes *s, int lane, long long n, const real *moved,              \
-                   const real *given, real *found) {                                              \
-    const double *all = (const double *)s->results + lane;                                        \
+/* Groups of lanes that are carried together, from g on. */
+#define VD_ONE(act) act(0)
+#define VD_TWO(act) act(0) act(1)
+#define VD_THREE(act) act(0) act(1) act(2)
+#define VD_START(k) real a##k = moved[k];
+#define VD_TAKE(k) a##k = vd_fma(weight, g[k], a##k);
+#define VD_GIVE(k) found[k] = a##k;
+#define VD_SCALE(k) real a##k = scale * to[k];
+#define VD_RETURN(k) to[k] = a##k;
+
+/* Room holds the tangents of time and states, and behind them those of the results, which later
+   results follow from too. */
+#define VD_COMBINE(name, every)                                                                   \
+  static void name(const struct slopes *s, const real *w, int lane, long long n,                  \
+                   const real *moved, real *room) {                                               \
+    const double *all = (const double *)s->results + lane, *weights = (const double *)w + lane;   \
     const int *value = s->values, *source = s->sources;                                           \
+    real *const results = room + (1 + NX) * n, *found = results;                                  \
     for (long long k = 0; k < s->n_targets; k++, moved += n, found += n) {                        \
-      begin;                                                                                      \
+      every(VD_START)                                                                             \
       for (const int *last = s->values + s->starts[k + 1]; value < last; value++, source++) {     \
         const real weight = vd_all(all[(long long)*value * VD_LANES]);                            \
-        const real *g = given + *source * n;                                                      \
-        add;                                                                                      \
+        const real *g = room + *source * n;                                                       \
+        every(VD_TAKE)                                                                            \
       }                                                                                           \
-      end;                                                                                        \
+      every(VD_GIVE)                                                                              \
+    }                                                                                             \
+    const int *column = s->step_columns, *which = s->step_which;                                  \
+    for (long long k = 0; k < s->n_steps; k++) {                                                  \
+      const real scale = vd_all(weights[(long long)s->step_scales[k] * VD_LANES]);                \
+      real *to = results + s->step_out[k] * n;                                                    \
+      every(VD_SCALE)                                                                             \
+      for (const int *last = s->step_which + s->step_starts[k + 1]; which < last;                 \
+           which++, column++) {                                                                   \
+        const real weight = vd_all(weights[(long long)*which * VD_LANES]);                        \
+        const real *g = results + *column * n;                                                    \
+        every(VD_TAKE)                                                                            \
+      }                                                                                           \
+      every(VD_RETURN)                                                                            \
     }                                                                                             \
   }
 
-VD_COMBINE(combine_one, 1, real a = moved[0], a = vd_fma(weight, g[0], a), found[0] = a)
-VD_COMBINE(combine_two, 2, real a = moved[0]; real b = moved[1], a = vd_fma(weight, g[0], a);
-           b = vd_fma(weight, g[1], b), found[0] = a;
-           found[1] = b)
-VD_COMBINE(combine_three, 3, real a = moved[0]; real b = moved[1]; real c = moved[2],
-           a = vd_fma(weight, g[0], a);
-           b = vd_fma(weight, g[1], b); c = vd_fma(weight, g[2], c), found[0] = a;
-           found[1] = b; found[2] = c)
+VD_COMBINE(combine_one, VD_ONE)
+VD_COMBINE(combine_two, VD_TWO)
+VD_COMBINE(combine_three, VD_THREE)
 
-/* Tangents of results at a point by those of time and states, (1 + NX, n). */
-static void combine(const struct slopes *s, int lane, long long n, const real *moved,
-                    const real *given, real *found) {
+/* Tangents of results at a point by those of time and states, see above for the room. */
+static void combine(const struct slopes *s, const real *w, int lane, long long n,
+                    const real *moved, real *room) {
   moved += lane * s->n_targets * n;
   long long k = 0;
-  for (; n - k > 3; k += 3) combine_three(s, lane, n, moved + k, given + k, found + k);
-  if (n - k == 3) combine_three(s, lane, n, moved + k, given + k, found + k);
-  if (n - k == 2) combine_two(s, lane, n, moved + k, given + k, found + k);
-  if (n - k == 1) combine_one(s, lane, n, moved + k, given + k, found + k);
+  for (; n - k > 3; k += 3) combine_three(s, w, lane, n, moved + k, room + k);
+  if (n - k == 3) combine_three(s, w, lane, n, moved + k, room + k);
+  if (n - k == 2) combine_two(s, w, lane, n, moved + k, room + k);
+  if (n - k == 1) combine_one(s, w, lane, n, moved + k, room + k);
 }
 
 /* to = x + a h dk, and what a change of the step's length adds, along rates k. */
@@ -79,12 +92,12 @@ static void place(const struct directions *d, double part, real *given) {
   for (long long g = 0; g < d->n; g++) given[g] = (1.0 - part) * d->from[g] + part * d->to[g];
 }
 
-static void tangents_rk4(const struct slopes *s, const struct directions *d, int lane, double h,
-                         const double *ks) {
+static void tangents_rk4(const struct slopes *s, const real *w, const struct directions *d,
+                         int lane, double h, const double *ks) {
   static const double share[4] = {0.0, 0.5, 0.5, 1.0}, weight[4] = {1.0, 2.0, 2.0, 1.0};
   static const double at[4] = {INSIDE, 0.5, 0.5, 1.0 - INSIDE};
   const long long n = d->n, size = NX * n;
-  real *given = d->room, *dk = given + size + n, *sum = dk + size;
+  real *given = d->room, *dk = given + size + n + NZ * n, *sum = dk + size;
   double rate[NXR];
   memset(rate, 0, sizeof rate);
   memset(sum, 0, size * sizeof(real));
@@ -92,7 +105,7 @@ static void tangents_rk4(const struct slopes *s, const struct directions *d, int
   for (int stage = 0; stage < 4; stage++) {
     const double *k = ks + stage * NX;
     place(d, at[stage], given);
-    combine(s, lane + stage, n, d->moved, given, dk);
+    combine(s, w, lane + stage, n, d->moved, given);
     for (int i = 0; i < NX; i++) rate[i] += weight[stage] * k[i];
     for (long long i = 0; i < size; i++) sum[i] += weight[stage] * dk[i];
     if (stage < 3) move(d, share[stage + 1], h, k, dk, given + n);
@@ -100,13 +113,13 @@ static void tangents_rk4(const struct slopes *s, const struct directions *d, int
   move(d, 1.0 / 6.0, h, rate, sum, d->x);
 }
 
-static void tangents_symplectic(const struct slopes *s, const struct directions *d, int lane,
-                                double h, const double *k, const double *next) {
+static void tangents_symplectic(const struct slopes *s, const real *w, const struct directions *d,
+                                int lane, double h, const double *k, const double *next) {
   const long long n = d->n, size = NX * n;
-  real *given = d->room, *dk = given + size + n, *moved = dk + size;
+  real *given = d->room, *dk = given + size + n + NZ * n, *moved = dk + size;
   place(d, INSIDE, given);
   memcpy(given + n, d->x, size * sizeof(real));
-  combine(s, lane, n, d->moved, given, dk);
+  combine(s, w, lane, n, d->moved, given);
   move(d, 1.0, h, k, dk, moved);
   for (int i = 0; i < NQ; i++) {
     const int p = positions[i], v = velocities[i];
@@ -117,10 +130,14 @@ static void tangents_symplectic(const struct slopes *s, const struct directions 
   memcpy(d->x, moved, size * sizeof(real));
 }
 
+/* Groups of points whose steps are taken before the derivatives are found, so that the code of the
+   motion stays in the cache. */
+enum { VD_GROUPS = NX + NZ < 256 ? 8 : 1, VD_MOST = VD_GROUPS * VD_LANES };
+
 /* Points of the stages of some steps, and those behind the steps. */
 struct trail {
-  double t[VD_LANES], x[VD_LANES][NXR], z[VD_LANES][NZR], k[VD_LANES][NXR];
-  double ends[VD_LANES][NXR], ends_z[VD_LANES][NZR], memory[1 + 2 * NZR];
+  double t[VD_MOST], x[VD_MOST][NXR], z[VD_MOST][NZR], k[VD_MOST][NXR], a[VD_MOST][NAR];
+  double ends[VD_MOST][NXR], ends_z[VD_MOST][NZR], memory[1 + 2 * NZR];
 };
 
 /* Take up to count steps and return how many were taken; a step that fails or in which an event
@@ -138,6 +155,8 @@ static int take_steps(const struct steps *way, long long step, int count, const 
     *status = vd_stage_points(way->method, times, step_of(way), c, end, end_z, trail->memory,
                               &trail->x[0][0] + first * NX, &trail->z[0][0] + first * NZ,
                               &trail->k[0][0] + first * NX);
+    for (int i = first; i < first + stages; i++)
+      accelerations(&trail->k[0][0] + i * NX, &trail->a[0][0] + i * NA);
     if (!*status && sides)
       *status = vd_end_of_step(times[VD_STAGES], end, end_z, c, sides, !((step + 1) % way->per));
     if (*status) return k;
@@ -154,35 +173,38 @@ VD_EXPORT int vd_tangent_steps(const struct steps *way, long long step, long lon
                                const struct numbers *given, double *x, double *z, int *sides,
                                const struct slopes *s, const struct directions *d, double *xs,
                                double *zs, real *dxs, long long *taken) {
-  const int stages = stages_of(way), most = VD_LANES / stages;
+  const int stages = stages_of(way), each = VD_LANES / stages;
   const double h = step_of(way);
   const long long last = step + n_steps;
   struct trail trail;
   memset(trail.memory, 0, sizeof trail.memory);
   *taken = 0;
   for (int status = 0; step < last && !status;) {
-    const int wanted = last - step < most ? (int)(last - step) : most;
+    const long long most = VD_GROUPS * each, wanted = last - step < most ? last - step : most;
     const int count =
-        take_steps(way, step, wanted, given->c, x, z, sides, &trail, &status);
-    if (!count) return status;
-    const int failed = weigh(given->points, count * stages, trail.t, &trail.x[0][0],
-                             &trail.z[0][0], given->lanes, given->w);
-    if (failed) return failed;
-    find_slopes(s, given->w);
-    spread_moved(s, d->n, count * stages, d->moved);
-    for (int k = 0; k < count; k++, step++) {
-      const double *rates = &trail.k[0][0] + k * stages * NX;
-      if (way->method == RK4)
-        tangents_rk4(s, d, k * stages, h, rates);
-      else
-        tangents_symplectic(s, d, k, h, rates, trail.ends[k]);
-      if (way->to < 1.0 || (step + 1) % way->per) continue;
-      memcpy(xs, trail.ends[k], NX * sizeof(double));
-      memcpy(zs, trail.ends_z[k], NZ * sizeof(double));
-      memcpy(dxs, d->x, NX * d->n * sizeof(real));
-      xs += NX, zs += NZ, dxs += NX * d->n;
+        take_steps(way, step, (int)wanted, given->c, x, z, sides, &trail, &status);
+    for (int first = 0; first < count; first += each) {
+      const int some = count - first < each ? count - first : each, at = first * stages;
+      const int failed = weigh(given, some * stages, trail.t + at, &trail.x[0][0] + at * NX,
+                               &trail.z[0][0] + at * NZ, &trail.a[0][0] + at * NA);
+      if (failed) return failed;
+      find_slopes(s, given->w);
+      spread_moved(s, d->n, some * stages, d->moved);
+      for (int k = first; k < first + some; k++, step++) {
+        const double *rates = &trail.k[0][0] + k * stages * NX;
+        const int lane = (k - first) * stages;
+        if (way->method == RK4)
+          tangents_rk4(s, given->w, d, lane, h, rates);
+        else
+          tangents_symplectic(s, given->w, d, lane, h, rates, trail.ends[k]);
+        if (way->to < 1.0 || (step + 1) % way->per) continue;
+        memcpy(xs, trail.ends[k], NX * sizeof(double));
+        memcpy(zs, trail.ends_z[k], NZ * sizeof(double));
+        memcpy(dxs, d->x, NX * d->n * sizeof(real));
+        xs += NX, zs += NZ, dxs += NX * d->n;
+      }
+      *taken += some;
     }
-    *taken += count;
     if (status) return status;
   }
   return 0;
@@ -194,12 +216,11 @@ VD_EXPORT int vd_tangent_points(long long count, const double *t, const double *
                                 const struct numbers *given, const struct slopes *s,
                                 const struct directions *d, const real *dt, const real *dx,
                                 double *values, real *found) {
-  const long long n = d->n;
+  const long long n = d->n, size = s->n_targets * n;
   real observed[NO + 1];
   for (long long first = 0; first < count; first += VD_LANES) {
     const int some = count - first < VD_LANES ? (int)(count - first) : VD_LANES;
-    const int status =
-        weigh(given->points, some, t + first, x + first * NX, z + first * NZ, given->lanes, given->w);
+    const int status = weigh_points(given, some, t + first, x + first * NX, z + first * NZ);
     if (status) return status;
     vd_observe_apart(&given->points->t, given->points->x, given->points->z, given->lanes, observed,
                      given->w + NBEFORE);
@@ -209,7 +230,8 @@ VD_EXPORT int vd_tangent_points(long long count, const double *t, const double *
       const long long point = first + lane;
       memcpy(d->room, dt + point * n, n * sizeof(real));
       memcpy(d->room + n, dx + point * NX * n, NX * n * sizeof(real));
-      combine(s, lane, n, d->moved, d->room, found + point * s->n_targets * n);
+      combine(s, given->w, lane, n, d->moved, d->room);
+      memcpy(found + point * size, d->room + (1 + NX) * n, size * sizeof(real));
       for (int i = 0; i < NO; i++) values[point * NO + i] = VD_LANE(observed[i], lane);
     }
   }

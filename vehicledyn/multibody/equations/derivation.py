@@ -42,6 +42,7 @@ from vehicledyn.symbolic.equations import Equations
 from vehicledyn.symbolic.motion_residuals import MotionResiduals
 from vehicledyn.symbolic.ops import Scalar
 from vehicledyn.symbolic.quick_arithmetic import quick_arithmetic
+from vehicledyn.symbolic.sparse_rows import matrix_of
 
 _log = logging.getLogger(__name__)
 
@@ -198,7 +199,7 @@ def _motion_residuals(derivation: Derivation, equations: Equations) -> MotionRes
     closure = _with_rates(d.loops.closure, d.symbols, motion.rates)
     accelerations = _closed(closure, d.symbols, (*d.roles.driven, *d.roles.independent), given)
     problem = _problem(d.system, d.symbols, d.roles, motion, accelerations)
-    missing = missing_forces(problem, names, _influence(closure, d.symbols, d.roles))
+    missing, mass = missing_forces(problem, names, _influence(closure, d.symbols, d.roles))
     place = {state.name: k for k, state in enumerate(equations.states)}
     e = equations
     return MotionResiduals(
@@ -208,6 +209,7 @@ def _motion_residuals(derivation: Derivation, equations: Equations) -> MotionRes
         parameter=e.parameter,
         acceleration=ops.column([free[name] for name in names]),
         residual=driven_motions(d.symbols, d.moved, ops.column(missing)),
+        mass=driven_motions(d.symbols, d.moved, matrix_of(mass, len(names))),
         rows=tuple(place[joint.rate_name] for joint in joints),
     )
 

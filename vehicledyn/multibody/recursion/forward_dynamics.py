@@ -20,9 +20,10 @@ from vehicledyn.multibody.recursion.link_steps import needed_in_steps
 from vehicledyn.multibody.recursion.mass_matrix import mass_matrix
 from vehicledyn.multibody.recursion.newton_euler import inverse_dynamics, needed_wrenches
 from vehicledyn.multibody.recursion.recast_tree import RecastTree
-from vehicledyn.multibody.recursion.reduction import independent_accelerations
+from vehicledyn.multibody.recursion.reduction import independent_accelerations, reduced_mass
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.counting import count_operations
+from vehicledyn.symbolic.elimination import Rows
 from vehicledyn.symbolic.ops import Scalar, Vec
 from vehicledyn.symbolic.parameters import ParameterTable
 from vehicledyn.symbolic.shared_steps import Steps, Writer, written_out
@@ -197,18 +198,20 @@ def _bias(p: TreeProblem) -> dict[str, Scalar]:
 
 
 def missing_forces(
-    problem: TreeProblem, independent: Sequence[str], influence: dict[str, dict[str, Scalar]]
-) -> list[Scalar]:
+    problem: TreeProblem, independent: list[str], influence: dict[str, dict[str, Scalar]]
+) -> tuple[list[Scalar], Rows]:
     """Return the forces on the independent coordinates that a motion needs and does not have.
 
-    Parameters are those of :func:`solve_closed`, but the motion has its accelerations.
+    Parameters are those of :func:`solve_closed`, but the motion has its accelerations. The mass
+    matrix of the independent coordinates follows, by rows.
     """
     bias = _bias(problem)
     total = {name: bias[name] for name in independent}
     for name, row in influence.items():
         for other, entry in row.items():
             total[other] = total[other] + entry * bias[name]
-    return list(total.values())
+    mass = mass_matrix(problem.kinematics, set(problem.free), problem.inertias)
+    return list(total.values()), reduced_mass(mass, independent, influence)
 
 
 def by_articulated(problem: TreeProblem, *, write: Writer = written_out) -> dict[str, Scalar]:

@@ -26,14 +26,22 @@ def independent_accelerations(
     influence
         B of q̇_u = B q̇_v: for each dependent coordinate {independent: entry}.
     """
-    column = {name: k for k, name in enumerate(independent)}
-    spread: dict[str, dict[int, Scalar]] = {
-        **{name: {k: ops.scalar(1.0)} for name, k in column.items()},
-        **{
-            name: {column[v]: entry for v, entry in row.items() if not entry.is_zero()}
-            for name, row in influence.items()
-        },
-    }
+    spread = _spread(independent, influence)
+    force: list[Scalar] = [ops.scalar(0.0) for _ in independent]
+    for name, row in spread.items():
+        for i, entry in row.items():
+            force[i] = force[i] - entry * bias[name]
+    reduced = reduced_mass(mass, independent, influence)
+    return dict(zip(independent, solve_symmetric(reduced, force), strict=True))
+
+
+def reduced_mass(
+    mass: dict[tuple[str, str], Scalar],
+    independent: list[str],
+    influence: dict[str, dict[str, Scalar]],
+) -> Rows:
+    """Return Tᵀ M T with both triangles; parameters are those of independent_accelerations."""
+    spread = _spread(independent, influence)
     reduced: Rows = [{} for _ in independent]
     for (a, b), value in mass.items():
         for i, left in spread[a].items():
@@ -43,8 +51,18 @@ def independent_accelerations(
     for i, row in enumerate(reduced):
         for j, value in row.items():
             reduced[j][i] = value
-    force: list[Scalar] = [ops.scalar(0.0) for _ in independent]
-    for name, row in spread.items():
-        for i, entry in row.items():
-            force[i] = force[i] - entry * bias[name]
-    return dict(zip(independent, solve_symmetric(reduced, force), strict=True))
+    return reduced
+
+
+def _spread(
+    independent: list[str], influence: dict[str, dict[str, Scalar]]
+) -> dict[str, dict[int, Scalar]]:
+    """Return the rows of T by name."""
+    column = {name: k for k, name in enumerate(independent)}
+    return {
+        **{name: {k: ops.scalar(1.0)} for name, k in column.items()},
+        **{
+            name: {column[v]: entry for v, entry in row.items() if not entry.is_zero()}
+            for name, row in influence.items()
+        },
+    }
