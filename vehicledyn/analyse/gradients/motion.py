@@ -28,6 +28,9 @@ from vehicledyn.kernel.tangent_code import Grid, Moment, TangentCode, Way
 
 Matrix = NDArray[np.float64]
 
+Watched = Callable[[Vector, Matrix, Matrix], object]
+"""Takes samples: times (n,), states (n, n_states) and unknowns (n, n_unknowns)."""
+
 _GRAZING = 1e-6
 """Rate of an event function at its zero, as a part of its mean rate in the step before it."""
 _AT_STEP = 1e-6
@@ -105,6 +108,7 @@ def follow(
     later: Sequence[Piece] = (),
     n_channels: int | None = None,
     progress: Callable[[float], object] | None = None,
+    watched: Watched | None = None,
 ) -> MotionSlopes:
     """Return a motion and its derivatives.
 
@@ -127,6 +131,8 @@ def follow(
         Number of channels to record, the first ones of the code; all if None.
     progress
         Called with the part done.
+    watched
+        Called with the samples as they are found; what it raises ends the run.
 
     Raises
     ------
@@ -135,6 +141,7 @@ def follow(
     """
     count = len(code.channels) if n_channels is None else n_channels
     run = _Run(Piece(grid.start, kernel, code), grid, start, directions, count)
+    run.watched = watched
     run.expect(later)
     run.sample()
     for number in range(0, n_intervals, _AT_ONCE):
@@ -174,6 +181,7 @@ class _Run:
         by_parameter, by_state = directions
         self.grid, self.n, self._by_parameter = grid, by_state.shape[1], by_parameter
         self.events: list[EventSlope] = []
+        self.watched: Watched | None = None
         self.record = _Recorder(n_channels, self.n)
         self._names: list[str] = []
         self._later: list[tuple[int, Piece]] = []
@@ -250,10 +258,10 @@ class _Run:
 
     def sample(self, moved: Vector | None = None) -> None:
         """Record the channels at the point reached; ``moved`` are the tangents of its time."""
-        values, slopes = self._values(
-            Point(self.time, self.march.state, self.march.unknowns), moved
-        )
-        self.record.take(self.time, values, slopes)
+        point = Point(self.time, self.march.state, self.march.unknowns)
+        if self.watched is not None:
+            self.watched(np.array([point.time]), point.state[None], point.unknowns[None])
+        self.record.take(point.time, *self._values(point, moved))
 
     def _values(self, point: Point, moved: Vector | None) -> tuple[Vector, Matrix]:
         found = self._found(point, moved)
@@ -276,6 +284,8 @@ class _Run:
             if status not in (Status.SOLVED, Status.EVENT):
                 self._refuse(status, way, before)
             self.march.step += taken
+            if self.watched is not None and len(samples.times):
+                self.watched(*samples[:3])
             found = self.bundle.found(samples, self.constants)
             for item in zip(samples.times, found.values, found.value_slopes, strict=True):
                 self.record.take(*item)

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,9 +25,10 @@ from vehicledyn.analyses.preparation.prepared import Prepared, Progress
 from vehicledyn.analyses.sensitivity.names import START, Directions, Wanted
 from vehicledyn.analyses.sensitivity.pieces import Pieces
 from vehicledyn.analyses.simulation.partitions.partition_course import PartitionCourse, RunCourse
+from vehicledyn.analyses.simulation.partitions.steady_partition import SteadyPartition, Unsteady
 from vehicledyn.analyses.simulation.prepared_run import prepare_run
 from vehicledyn.analyses.simulation.wanted_outputs import needed_channels
-from vehicledyn.base.errors import InputError, nearest_name
+from vehicledyn.base.errors import InputError, NumericalError, nearest_name
 from vehicledyn.base.units import shown
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.integrate.accuracy.proposed_step import proposed_step
@@ -172,18 +175,22 @@ class MotionStudy:
         by_state[list(self.held)] = 0.0
         by_state = by_state + chosen.by_state
         _check_size(self.n_intervals, len(self.channels) * by_state.shape[1])
-        first, *later = self._parts()
-        return follow(
-            first.code,
-            first.kernel,
-            self.grid,
+        given = partial(
+            follow,
+            grid=self.grid,
             n_intervals=self.n_intervals,
             start=(self.start.state, self.start.unknowns),
             directions=(chosen.by_parameter, by_state),
-            later=later,
             n_channels=len(self.channels),
             progress=lambda part: progress("following the motion with its tangents", part),
         )
+        kernel = self.prepared.kernel
+        if self.course.needed(kernel) and SteadyPartition.sees(kernel, self.grid):
+            # A run that fails may do so since its dependent coordinates have to change.
+            with suppress(Unsteady, NumericalError):
+                return given(self.code, kernel, watched=SteadyPartition(kernel).take)
+        first, *later = self._parts()
+        return given(first.code, first.kernel, later=later)
 
     def changes(self) -> RunCourse | None:
         """Return the run with its changes of dependent coordinates, None where there are none."""

@@ -51,24 +51,25 @@ class Program:
         Its own sources are the adjoints of the results; behind them columns keep their order. The
         weight ``one`` is the number one.
         """
-        n = len(self.targets)
-        users: dict[int, list[tuple[int, int]]] = {}
-        for k, target in enumerate(self.targets):
-            users.setdefault(int(target), []).append((k, one))
-        for k, target in enumerate(self.out):
-            for i in range(self.starts[k], self.starts[k + 1]):
-                entry = (n + int(target), int(self.which[i]))
-                users.setdefault(int(self.columns[i]), []).append(entry)
-        out = [*map(int, self.out[::-1]), *sources]
-        entries = [users.get(column, []) for column in out]
-        flat = [item for own in entries for item in own]
+        n, n_rows = len(self.targets), len(self.out)
+        place = np.full(self.n_columns, -1)
+        place[self.out[::-1]] = np.arange(n_rows)
+        place[list(sources)] = n_rows + np.arange(len(sources))
+        of_rows = np.repeat(self.out, np.diff(self.starts))
+        users = np.concatenate([np.arange(n), n + of_rows]).astype(np.int32)
+        which = np.concatenate([np.full(n, one, np.int32), self.which])
+        rows = place[np.concatenate([self.targets, self.columns])]
+        order = np.argsort(rows, kind="stable")
+        order = order[np.searchsorted(rows[order], 0) :]
+        out = np.concatenate([self.out[::-1], np.array(sources, dtype=np.int32)])
+        starts = np.searchsorted(rows[order], np.arange(len(out) + 1))
         return Program(
             n + self.n_columns,
-            np.array([n + column for column in out], dtype=np.int32),
-            np.cumsum([0, *map(len, entries)], dtype=np.int32),
-            np.array([column for column, _ in flat], dtype=np.int32),
-            np.array([place for _, place in flat], dtype=np.int32),
-            np.array([n + column for column in sources], dtype=np.int32),
+            (n + out).astype(np.int32),
+            starts.astype(np.int32),
+            users[order],
+            which[order],
+            (n + np.array(sources)).astype(np.int32),
             self.fixed,
         )
 

@@ -1,0 +1,62 @@
+"""Tell of the samples of a run whether its first dependent coordinates serve to its end.
+
+Most runs keep them. One that is followed with its derivatives need not be taken before, to find
+where they change, as long as nothing in its samples asks for a closer look.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.analyses.simulation.partitions.repartitioning import steps_per_look
+from vehicledyn.analyses.simulation.partitions.singularity_crossing import Sample
+from vehicledyn.analyses.simulation.partitions.singularity_monitor import PivotLog
+from vehicledyn.analyses.simulation.run_plan import looks_per_interval
+from vehicledyn.kernel.kernel import Kernel
+from vehicledyn.kernel.tangent_code import Grid
+
+Floats = NDArray[np.float64]
+
+
+class Unsteady(Exception):  # noqa: N818
+    """A sample asks for a closer look: the dependent coordinates may have to change."""
+
+
+class SteadyPartition:
+    """Looks at the samples of a run, in their order."""
+
+    def __init__(self, kernel: Kernel) -> None:
+        """Look at the loops of a kernel."""
+        self._kernel = kernel
+        self._log = PivotLog(self._pivots, lambda _: None, _look_closer)
+
+    @staticmethod
+    def sees(kernel: Kernel, grid: Grid) -> bool:
+        """Return whether samples tell all that a run with fixed steps looks at."""
+        e = kernel.equations
+        step, steps = grid.interval / grid.per_interval, steps_per_look(e)
+        between = looks_per_interval(step, grid.interval, steps=steps) > 1
+        return not (between or e.structure.get("rate_dependent"))
+
+    def take(self, times: Floats, states: Floats, unknowns: Floats) -> None:
+        """Look at samples: times (n,), states (n, n_states) and unknowns (n, n_unknowns).
+
+        Raises
+        ------
+        Unsteady
+            If one asks for a closer look.
+        """
+        self._log.take(times, states, unknowns, np.zeros((len(times), 0)))
+
+    def _pivots(self, samples: Sequence[Sample]) -> Floats:
+        times, states, unknowns = (
+            [getattr(s, name) for s in samples] for name in ("time", "state", "unknowns")
+        )
+        return self._kernel.pivots(times, states, unknowns)
+
+
+def _look_closer(sample: Sample, limit: float) -> None:
+    raise Unsteady
