@@ -74,7 +74,7 @@ class BackCode:
         self._sums = BackSums.of(code.call, *back, lanes)
         self._ends = BackSums.of(code.call, ends, behind, lanes)
         nothing = passes(code.call, code.stage.program, np.zeros((1, 0)))
-        known, solution = code.by_state[0], code.stage.solution
+        known, solution = code.to_rates, code.stage.solution
         self._map = SlopeMap.of(n_z + n_x, known, nothing, lanes, solution)
         self._numbers, self._bundle = code.numbers(), Bundle(code, np.zeros((n_c, 0)))
         self._steps = steps_of(grid)

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import ctypes
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.codegen.passes.stage_program import NO_STEPS
+from vehicledyn.codegen.passes.linear_program import Program
+from vehicledyn.codegen.passes.stage_program import NO_STEPS, Solution
 from vehicledyn.kernel.engine import Sides, Status, Vector
-from vehicledyn.kernel.plans import SlopeMap, aligned, passes
+from vehicledyn.kernel.plans import Passes, SlopeMap, aligned, passes
 from vehicledyn.kernel.tangent_code import Grid, Moment, TangentCode, Way, steps_of
 
 Array = NDArray[np.float64]
@@ -48,6 +50,14 @@ class Found:
     value_slopes: Array
 
 
+class _Map(NamedTuple):
+    """The derivatives of some results, with the directions that they are wanted by."""
+
+    slopes: SlopeMap
+    directions: _Directions
+    added: Array
+
+
 class Bundle:
     """Directions carried side by side.
 
@@ -65,29 +75,29 @@ class Bundle:
         groups = self._groups = max(1, -(-self.n_directions // lanes))
         self._x = aligned((n_x, groups, lanes))
         self._at = aligned((2, groups, lanes))
-        programs = code.stage.program, code.seen
+        most = max(len(p.targets) for p in (code.stage.program, code.seen))
         n_before = 1 + n_x + len(code.equations.unknowns)
-        most = max(len(program.targets) for program in programs)
-        room = aligned((1 + 2 * n_x + most, groups, lanes))
-        seeds = np.vstack([np.zeros((n_before, self.n_directions)), constants])
-        self._maps: list[SlopeMap] = []
-        self._directions: list[_Directions] = []
-        self._kept = [room]
-        solutions = code.stage.solution, NO_STEPS
-        for program, known, solution in zip(programs, code.by_state, solutions, strict=True):
-            moved = passes(code.call, program, seeds)
-            slopes = SlopeMap.of(len(program.targets), known, moved, lanes, solution)
-            self._enter_map(slopes, room)
+        self._seeds = np.vstack([np.zeros((n_before, self.n_directions)), constants])
+        self._room = aligned((1 + 2 * n_x + most, groups, lanes))
         self._numbers = code.numbers()
 
-    def _enter_map(self, slopes: SlopeMap, room: Array) -> None:
-        lanes = self._code.lanes
-        added = aligned((lanes, slopes.n_targets, self._groups, lanes))
-        self._kept.append(added)
-        self._maps.append(slopes)
-        arrays = (self._x, self._at[0], self._at[1], room, added)
+    @cached_property
+    def _to_rates(self) -> _Map:
+        stage = self._code.stage
+        return self._map(stage.program, self._code.to_rates, stage.solution)
+
+    @cached_property
+    def _to_seen(self) -> _Map:
+        return self._map(self._code.seen, self._code.to_seen, NO_STEPS)
+
+    def _map(self, program: Program, known: Passes, solution: Solution) -> _Map:
+        lanes, n_targets = self._code.lanes, len(program.targets)
+        moved = passes(self._code.call, program, self._seeds)
+        slopes = SlopeMap.of(n_targets, known, moved, lanes, solution)
+        added = aligned((lanes, n_targets, self._groups, lanes))
+        arrays = (self._x, self._at[0], self._at[1], self._room, added)
         addresses = [item.ctypes.data for item in arrays]
-        self._directions.append(_Directions(self._groups, *addresses))
+        return _Map(slopes, _Directions(self._groups, *addresses), added)
 
     @property
     def state(self) -> Array:
@@ -143,8 +153,8 @@ class Bundle:
             moment.state,
             moment.unknowns,
             sides,
-            self._maps[0].slopes,
-            self._directions[0],
+            self._to_rates.slopes.slopes,
+            self._to_rates.directions,
             states,
             unknowns,
             tangents,
@@ -163,21 +173,21 @@ class Bundle:
 
     def found(self, points: Samples, constants: Vector, at: Vector | None = None) -> Found:
         """Return what is found at points; ``at`` are the tangents of their times [s]."""
-        values, slopes = self._points(1, points, constants, at)
+        values, slopes = self._points(self._to_seen, points, constants, at)
         return Found(values, *np.split(slopes, [len(self._code.equations.unknowns)], axis=1))
 
     def rate_slopes(self, moment: Moment) -> Array:
         """Return the tangents of the rates at a moment, shape (n_states, n_directions)."""
         time, state, unknowns, constants = moment
         samples = Samples(np.array([time]), state[None], unknowns[None], self._x[None])
-        found = self._points(0, samples, constants, None)[1][0]
+        found = self._points(self._to_rates, samples, constants, None)[1][0]
         return np.asarray(found[len(unknowns) :])
 
     def _points(
-        self, number: int, points: Samples, constants: Vector, at: Vector | None
+        self, wanted: _Map, points: Samples, constants: Vector, at: Vector | None
     ) -> tuple[Array, Array]:
         """Return observed values at points, and the tangents of the results of a map."""
-        count, slopes = len(points.times), self._maps[number]
+        count, slopes = len(points.times), wanted.slopes
         times = aligned((count, self._groups, self._code.lanes))
         if at is not None:
             times.reshape(count, -1)[:, : self.n_directions] = at
@@ -189,7 +199,7 @@ class Bundle:
             *[np.ascontiguousarray(item, dtype=float) for item in points[:3]],
             self._numbers.of(constants),
             slopes.slopes,
-            self._directions[number],
+            wanted.directions,
             times,
             points.tangents,
             values,

@@ -105,6 +105,7 @@ class TangentCode:
         self.lanes = tangent_lanes()
         self._tables = TableRows(equations.tables)
         self._functions = functions
+        self._known: tuple[Vector, Any] | None = None
 
     def _observed(self, functions: Any) -> list[Any]:
         rows = list(self.channels)
@@ -162,11 +163,14 @@ class TangentCode:
         """Return ∂c/∂p at some parameters, a sparse matrix (n_constants, n_parameters)."""
         from scipy.sparse import csc_matrix
 
+        if self._known is not None and np.array_equal(self._known[0], parameters):
+            return self._known[1]
         slope = self._constant_slopes(parameters)
         pattern = slope.sparsity()
-        return csc_matrix(
-            (np.array(slope.nonzeros()), pattern.row(), pattern.colind()), shape=slope.shape
-        )
+        values = np.array(slope.nonzeros())
+        found = csc_matrix((values, pattern.row(), pattern.colind()), shape=slope.shape)
+        self._known = np.array(parameters), found
+        return found
 
     @cached_property
     def _constant_slopes(self) -> Any:
@@ -185,14 +189,18 @@ class TangentCode:
         )
 
     @cached_property
-    def by_state(self) -> tuple[Passes, Passes]:
-        """Passes by time, states and unknowns: to the rates, compiled, and to what is seen."""
-        one = np.eye(1 + len(self.equations.states) + len(self.equations.unknowns))
+    def to_rates(self) -> Passes:
+        """Passes by time, states and unknowns to unknowns and rates, which are compiled."""
         count = _I.in_dll(self._library, "vd_pattern").value
         pattern = np.array((_I * (1 + 2 * count)).in_dll(self._library, "vd_pattern")[1:])
         entries = np.column_stack([pattern.reshape(count, 2), np.arange(count)])
-        to_rates = Passes([], [], entries.astype(np.int64), count)
-        return to_rates, passes(self.call, self.seen, one)
+        return Passes([], [], entries.astype(np.int64), count)
+
+    @cached_property
+    def to_seen(self) -> Passes:
+        """Passes by time, states and unknowns to unknowns and what is seen."""
+        one = np.eye(1 + len(self.equations.states) + len(self.equations.unknowns))
+        return passes(self.call, self.seen, one)
 
     def numbers(self) -> Numbers:
         """Return room for what is computed at points."""

@@ -10,8 +10,8 @@ from dataclasses import dataclass, field
 
 from vehicledyn.codegen.passes.linear_program import Program
 
-_PIECE = 400
-"""Products a C function holds at most."""
+_PIECE = 200
+"""Products a C function holds at most: what is kept between them stays near by."""
 
 
 @dataclass
@@ -46,24 +46,25 @@ def print_jacobian(
 ) -> tuple[str, list[tuple[int, int]]]:
     """Return C functions ``name(w, j)``, and which derivatives they write, in their order.
 
-    These are pairs of a result and one of the first ``n_sources`` columns by which it is derived,
-    result by result.
+    These are pairs of a result and one of the first ``n_sources`` columns by which it is derived.
     """
     code = _Code(program, n_sources)
     code.reach.update({k: [k] for k in range(n_sources)})
     _cut(code, _needed(program))
     results = {int(column): k for k, column in enumerate(program.targets)}
-    pattern = [(results[c], s) for c in map(int, program.targets) for s in code.reach.get(c, [])]
-    number = {item: k for k, item in enumerate(pattern)}
+    written: list[tuple[int, int]] = []
+    firsts: list[tuple[int, int]] = []
     texts: list[str] = []
     free: list[int] = []
     size = 0
     ending: dict[int, list[int]] = {}
     for piece, rows in enumerate(code.pieces):
         lines = [f"static VD_APART void {name}_{piece}(const real *w, real *t, real *j) {{"]
+        first = _middle([which for k in rows for _, which in code.entries(k)])
+        firsts.append((first, len(written)))
         for k in rows:
             target, entries = int(program.out[k]), code.entries(k)
-            used = [which for column, which in entries]
+            used = [which - first for _, which in entries]
             lines += [f"  const real w{k}_{n} = w[{which}];" for n, which in enumerate(used)]
             for source in code.reach[target]:
                 terms = [
@@ -76,7 +77,8 @@ def print_jacobian(
                 )
                 value = code.values[target, source]
                 if target in results:
-                    place = number[results[target], source]
+                    place = len(written) - firsts[-1][1]
+                    written.append((results[target], source))
                     lines.append(f"  j[{place}] = r{target}_{source};")
                 if value.last > piece:
                     if not free:
@@ -87,11 +89,19 @@ def print_jacobian(
                     lines.append(f"  t[{value.place}] = r{target}_{source};")
         free += ending.pop(piece, [])
         texts.append("\n".join([*lines, "}"]))
-    calls = "".join(f"\n  {name}_{piece}(w, t, j);" for piece in range(len(code.pieces)))
+    calls = "".join(
+        f"\n  {name}_{piece}(w + {first}, t, j + {place});"
+        for piece, (first, place) in enumerate(firsts)
+    )
     texts.append(
         f"static void {name}(const real *w, real *j) {{\n  real t[{max(1, size)}];{calls}\n}}"
     )
-    return "\n".join(texts), pattern
+    return "\n".join(texts), written
+
+
+def _middle(places: list[int]) -> int:
+    """Return a place from which most others are near, so that their addresses are short."""
+    return sorted(places)[len(places) // 2] if places else 0
 
 
 def _needed(program: Program) -> list[int]:

@@ -77,19 +77,25 @@ static void combine(const struct slopes *s, const real *w, int lane, long long n
   if (n - k == 1) combine_one(s, w, lane, n, moved + k, room + k);
 }
 
+/* Tangents of the time at a place in the step. */
+static void place(const struct directions *d, double part, real *given) {
+  for (long long g = 0; g < d->n; g++) given[g] = (1.0 - part) * d->from[g] + part * d->to[g];
+}
+
+static int lasts_as_long(const struct directions *d) {
+  return !memcmp(d->from, d->to, d->n * sizeof(real));
+}
+
 /* to = x + a h dk, and what a change of the step's length adds, along rates k. */
 static void move(const struct directions *d, double a, double h, const double *k, const real *dk,
                  real *to) {
   const long long n = d->n;
+  const real by = vd_all(a * h);
+  for (long long i = 0; i < NX * n; i++) to[i] = vd_fma(by, dk[i], d->x[i]);
+  if (lasts_as_long(d)) return;
   for (int i = 0; i < NX; i++)
     for (long long g = 0; g < n; g++)
-      to[i * n + g] = d->x[i * n + g] + (a * h) * dk[i * n + g] +
-                      (a * k[i]) * (d->to[g] - d->from[g]);
-}
-
-/* Tangents of the time at a place in the step. */
-static void place(const struct directions *d, double part, real *given) {
-  for (long long g = 0; g < d->n; g++) given[g] = (1.0 - part) * d->from[g] + part * d->to[g];
+      to[i * n + g] = to[i * n + g] + (a * k[i]) * (d->to[g] - d->from[g]);
 }
 
 static void tangents_rk4(const struct slopes *s, const real *w, const struct directions *d,
@@ -100,14 +106,16 @@ static void tangents_rk4(const struct slopes *s, const real *w, const struct dir
   real *given = d->room, *dk = given + size + n + NZ * n, *sum = dk + size;
   double rate[NXR];
   memset(rate, 0, sizeof rate);
-  memset(sum, 0, size * sizeof(real));
   memcpy(given + n, d->x, size * sizeof(real));
   for (int stage = 0; stage < 4; stage++) {
     const double *k = ks + stage * NX;
     place(d, at[stage], given);
     combine(s, w, lane + stage, n, d->moved, given);
     for (int i = 0; i < NX; i++) rate[i] += weight[stage] * k[i];
-    for (long long i = 0; i < size; i++) sum[i] += weight[stage] * dk[i];
+    if (stage == 0)
+      memcpy(sum, dk, size * sizeof(real));
+    else
+      for (long long i = 0; i < size; i++) sum[i] = vd_fma(vd_all(weight[stage]), dk[i], sum[i]);
     if (stage < 3) move(d, share[stage + 1], h, k, dk, given + n);
   }
   move(d, 1.0 / 6.0, h, rate, sum, d->x);

@@ -71,6 +71,20 @@ class Degrading(Exception):  # noqa: N818
         self.sample, self.comparison, self.before = sample, comparison, before
 
 
+def are_harmless(values: Matrix, before: Vector, scale: Vector) -> Any:
+    """Return at which samples no pivot is weak or changes its sign.
+
+    ``values`` (n_samples, n_pivots) follow those ``before`` them, and the largest so far in
+    ``scale``.
+    """
+    sizes = np.abs(values)
+    largest = np.maximum(np.maximum.accumulate(sizes, axis=0), scale)
+    earlier = np.vstack([before, values[:-1]])
+    parts = sizes / np.where(largest > 0.0, largest, 1.0)
+    harmless = (parts >= WEAK_PIVOT).all(axis=1) & (values * earlier > 0.0).all(axis=1)
+    return harmless & (parts.prod(axis=1) >= _HARMLESS)
+
+
 class PivotLog:
     """Takes the samples of a run, looks at their pivots and hands the good ones on."""
 
@@ -166,12 +180,7 @@ class PivotLog:
         """Return how many samples pass before one whose pivots are weak or change sign."""
         if self._before is None:
             return 0
-        sizes = np.abs(values)
-        largest = np.maximum(np.maximum.accumulate(sizes, axis=0), self._scale)
-        before = np.vstack([self._before, values[:-1]])
-        parts = sizes / np.where(largest > 0.0, largest, 1.0)
-        harmless = (parts >= WEAK_PIVOT).all(axis=1) & (values * before > 0.0).all(axis=1)
-        harmless &= parts.prod(axis=1) >= _HARMLESS
+        harmless = are_harmless(values, self._before, self._scale)
         return len(values) if harmless.all() else int(np.argmin(harmless))
 
     def _accept(self, rows: list[Sample], values: Matrix) -> None:

@@ -6,14 +6,11 @@ where they change, as long as nothing in its samples asks for a closer look.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyses.simulation.partitions.repartitioning import steps_per_look
-from vehicledyn.analyses.simulation.partitions.singularity_crossing import Sample
-from vehicledyn.analyses.simulation.partitions.singularity_monitor import PivotLog
+from vehicledyn.analyses.simulation.partitions.singularity_monitor import are_harmless
 from vehicledyn.analyses.simulation.run_plan import looks_per_interval
 from vehicledyn.kernel.kernel import Kernel
 from vehicledyn.kernel.tangent_code import Grid
@@ -31,7 +28,7 @@ class SteadyPartition:
     def __init__(self, kernel: Kernel) -> None:
         """Look at the loops of a kernel."""
         self._kernel = kernel
-        self._log = PivotLog(self._pivots, lambda _: None, _look_closer)
+        self._before, self._scale = np.zeros(0), np.zeros(0)
 
     @staticmethod
     def sees(kernel: Kernel, grid: Grid) -> bool:
@@ -49,14 +46,10 @@ class SteadyPartition:
         Unsteady
             If one asks for a closer look.
         """
-        self._log.take(times, states, unknowns, np.zeros((len(times), 0)))
-
-    def _pivots(self, samples: Sequence[Sample]) -> Floats:
-        times, states, unknowns = (
-            [getattr(s, name) for s in samples] for name in ("time", "state", "unknowns")
-        )
-        return self._kernel.pivots(times, states, unknowns)
-
-
-def _look_closer(sample: Sample, limit: float) -> None:
-    raise Unsteady
+        values = self._kernel.pivots(times, states, unknowns)
+        if not self._before.size:
+            self._before, self._scale = values[0], np.abs(values[0])
+        if not are_harmless(values, self._before, self._scale).all():
+            raise Unsteady
+        self._before = values[-1]
+        self._scale = np.maximum(self._scale, np.abs(values).max(axis=0))
