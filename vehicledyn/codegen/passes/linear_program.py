@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from vehicledyn.codegen.passes.kernel_functions import as_written
 from vehicledyn.codegen.passes.local_slopes import slope_graph
 from vehicledyn.codegen.passes.reciprocals import use_reciprocals
+from vehicledyn.codegen.passes.row_order import by_parts
 from vehicledyn.codegen.passes.vertex_elimination import LinearRows, eliminated
 
 Index = NDArray[np.int32]
@@ -169,7 +170,7 @@ class Writer:
             column = use_reciprocals(function, list(symbols), lambda _: True)[0]
             function = casadi.Function("values", symbols, [column])
             graph = slope_graph(function, list(symbols), lambda k: k in sources)
-            rows = eliminated(graph, elements, _SLACK)
+            rows = by_parts(eliminated(graph, elements, _SLACK))
         flat = [item for own in sources.values() for item in own]
         return self.rows(rows, flat), graph.values
 
