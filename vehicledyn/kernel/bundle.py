@@ -24,7 +24,7 @@ _P = ctypes.c_void_p
 
 class _Directions(ctypes.Structure):
     _fields_ = [
-        ("n", ctypes.c_longlong),
+        *[(name, ctypes.c_longlong) for name in ("n", "halved")],
         *[(name, _P) for name in ("x", "from_", "to", "room", "moved")],
     ]
 
@@ -97,7 +97,8 @@ class Bundle:
         added = aligned((lanes, n_targets, self._groups, lanes))
         arrays = (self._x, self._at[0], self._at[1], self._room, added)
         addresses = [item.ctypes.data for item in arrays]
-        return _Map(slopes, _Directions(self._groups, *addresses), added)
+        halved = 2 * (self._groups * lanes - self.n_directions) >= lanes
+        return _Map(slopes, _Directions(self._groups, halved, *addresses), added)
 
     @property
     def state(self) -> Array:

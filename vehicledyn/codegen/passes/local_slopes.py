@@ -108,9 +108,16 @@ def _rules() -> dict[int, Callable[[int, list[Any], Any], Any]]:
             1.0 / given[1] if place == 0 else -value * (1.0 / given[1])
         ),
         casadi.OP_INV: lambda place, given, value: -(value * value),
+        casadi.OP_FMIN: lambda place, given, value: _share(given[place], given[1 - place]),
+        casadi.OP_FMAX: lambda place, given, value: _share(given[1 - place], given[place]),
         casadi.OP_SQRT: lambda place, given, value: 0.5 / value,
         casadi.OP_IF_ELSE_ZERO: lambda place, given, value: casadi.if_else(given[0], 1.0, 0.0),
     }
+
+
+def _share(lesser: Any, larger: Any) -> Any:
+    """Return one where the first is the lesser, half where both are equal, zero else."""
+    return 0.5 * ((lesser <= larger) + (lesser < larger))
 
 
 @cache

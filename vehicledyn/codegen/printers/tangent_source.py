@@ -98,11 +98,14 @@ def _following(
 ) -> str:
     """Return the text that follows derivatives through a motion."""
     n_own, n_inverse = stage.function.numel_out(0), stage.function.numel_out(1)
+    blocks = [block.stop - block.start for block in equations.blocks]
     sizes = {
         "NX": len(equations.states),
         "NZ": len(equations.unknowns),
         "NA": len(stage.accelerated),
         "NQ": len(equations.positions),
+        "NB": len(blocks),
+        "NW": max([1, *blocks]),
         "NU": n_own,
         "NI": n_inverse,
         "NO": observed.function.numel_out(0),
@@ -114,6 +117,7 @@ def _following(
             listed("static const int", "positions", equations.positions),
             listed("static const int", "velocities", equations.velocities),
             listed("static const int", "accelerated", stage.accelerated),
+            listed("static const int", "block_size", blocks),
             shared_source("passes.c"),
             shared_source("tangents_ahead.c"),
             *([shared_source("back.c")] if back else []),

@@ -180,7 +180,8 @@ static void find_slopes(const struct slopes *s, const real *w) {
   }
 }
 
-int vd_inverses(const double *jacobian, double *inverse);
+enum { VD_SINGULAR = 2 };
+int vd_inverse(int n, const double *jacobian, double *inverse);
 void vd_linearise_apart(const real *t, const real *x, const real *z, const real *a, const real *c,
                         real *w, real *jacobian);
 void vd_observe_apart(const real *t, const real *x, const real *z, const real *c, real *values,
@@ -262,18 +263,43 @@ struct numbers {
   struct points *points;
 };
 
+/* Minus the inverse of a block's Jacobian, which lies by columns; by Cramer's rule, one division, for
+   the sizes that most blocks have. */
+static int invert_block(int n, const real *jacobian, real *inverse) {
+  double square[NW * NW], found[NW * NW];
+  if (n == 1) {
+    if (vd_any(vd_eq(jacobian[0], vd_all(0.0)))) return VD_SINGULAR;
+    inverse[0] = -1.0 / jacobian[0];
+    return 0;
+  }
+  if (n == 2) {
+    const real determinant = jacobian[0] * jacobian[3] - jacobian[1] * jacobian[2];
+    if (vd_any(vd_eq(determinant, vd_all(0.0)))) return VD_SINGULAR;
+    const real scale = -1.0 / determinant;
+    inverse[0] = jacobian[3] * scale, inverse[3] = jacobian[0] * scale;
+    inverse[1] = -jacobian[1] * scale, inverse[2] = -jacobian[2] * scale;
+    return 0;
+  }
+  for (int lane = 0; lane < VD_LANES; lane++) {
+    for (int i = 0; i < n * n; i++) square[i] = VD_LANE(jacobian[i], lane);
+    const int status = vd_inverse(n, square, found);
+    if (status) return status;
+    for (int i = 0; i < n * n; i++) ((double *)(inverse + i))[lane] = found[i];
+  }
+  return 0;
+}
+
 static int weigh(const struct numbers *given, int count, const double *t, const double *x,
                  const double *z, const double *a) {
-  double jacobian[NI + 1], inverse[NI + 1];
   struct points *p = given->points;
-  real *w = given->w;
+  const real *jacobian = p->jacobian;
+  real *inverse = given->w + NU;
   gather(p, count, t, x, z, a);
-  vd_linearise_apart(&p->t, p->x, p->z, p->a, given->lanes, w, p->jacobian);
-  for (int lane = 0; NI && lane < VD_LANES; lane++) {
-    for (int i = 0; i < NI; i++) jacobian[i] = VD_LANE(p->jacobian[i], lane);
-    const int status = vd_inverses(jacobian, inverse);
+  vd_linearise_apart(&p->t, p->x, p->z, p->a, given->lanes, given->w, p->jacobian);
+  for (int k = 0; k < NB; k++) {
+    const int n = block_size[k], status = invert_block(n, jacobian, inverse);
     if (status) return status;
-    for (int i = 0; i < NI; i++) ((double *)(w + NU + i))[lane] = inverse[i];
+    jacobian += n * n, inverse += n * n;
   }
   return 0;
 }

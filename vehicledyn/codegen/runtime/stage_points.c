@@ -1,5 +1,4 @@
-/* Points of a motion with fixed steps at which derivatives are wanted, for one case.
-   The generated part defines NI, the entries of the inverses of blocks. */
+/* Points of a motion with fixed steps at which derivatives are wanted, for one case. */
 
 enum { VD_STAGES = 4 };
 
@@ -17,19 +16,14 @@ VD_EXPORT int vd_solve_point(double t, const double *x, double *z, const double 
   return course.status[0];
 }
 
-/* Minus the inverses of the Jacobians of all blocks, which lie one after the other by columns. */
-int vd_inverses(const double *jacobian, double *inverse) {
+/* Minus the inverse of the Jacobian of a block, by columns. */
+int vd_inverse(int n, const double *jacobian, double *inverse) {
   double square[NW * NW], unit[NW];
-  for (int k = 0; k < NB; k++) {
-    const int n = block_start[k + 1] - block_start[k];
-    for (int j = 0; j < n; j++) {
-      memcpy(square, jacobian, n * n * sizeof(double));
-      for (int i = 0; i < n; i++) unit[i] = i == j ? -1.0 : 0.0;
-      if (!solve_linear(n, square, unit)) return SINGULAR;
-      memcpy(inverse + j * n, unit, n * sizeof(double));
-    }
-    jacobian += n * n;
-    inverse += n * n;
+  for (int j = 0; j < n; j++) {
+    memcpy(square, jacobian, n * n * sizeof(double));
+    for (int i = 0; i < n; i++) unit[i] = i == j ? -1.0 : 0.0;
+    if (!solve_linear(n, square, unit)) return SINGULAR;
+    memcpy(inverse + j * n, unit, n * sizeof(double));
   }
   return SOLVED;
 }

@@ -2,11 +2,11 @@
    that they approximate. The Jacobians of several stages are found side by side, then the tangents
    go from stage to stage, VD_LANES directions side by side. */
 
-/* The directions of a run: n groups of VD_LANES each. x (NX, n) are those of the states, from and
+/* The directions of a run: n groups of VD_LANES each, the last one half empty if halved. x (NX, n) are those of the states, from and
    to (n) those of the begin and the end of a part of a step; room is for stages, moved for what
    constants that move add at each point (VD_LANES, results, n), zero where they add nothing. */
 struct directions {
-  long long n;
+  long long n, halved;
   real *x, *from, *to, *room, *moved;
 };
 
@@ -20,61 +20,82 @@ static void spread_moved(const struct slopes *s, long long n, int count, real *m
   }
 }
 
-/* Groups of lanes that are carried together, from g on. */
-#define VD_ONE(act) act(0)
-#define VD_TWO(act) act(0) act(1)
-#define VD_THREE(act) act(0) act(1) act(2)
+/* Groups of lanes that are carried together; of the last one only the first half may be wanted. */
+#if VD_LANES == 8 && VD_WIDTH == 8
+typedef vd_four vd_half;
+#define vd_fma_half(a, b, c) ((vd_half)VD_FMA4(a, b, c))
+#else
+typedef real vd_half;
+#define vd_fma_half(a, b, c) vd_fma(a, b, c)
+#endif
+VD_INLINE vd_half vd_all_half(double a) { return a - (vd_half){0.0}; }
+
+#define VD_LONE(act) act(0)
+#define VD_PAIR(act) act(0) act(1)
+#define VD_TRIPLE(act) act(0) act(1) act(2)
+#define VD_NONE(act)
+#define VD_FIRST(act) act(0)
+#define VD_SECOND(act) act(1)
+#define VD_THIRD(act) act(2)
+#define VD_HALF(p, k) (*(vd_half *)((p) + k))
 #define VD_START(k) real a##k = moved[k];
-#define VD_TAKE(k) a##k = vd_fma(weight, g[k], a##k);
-#define VD_GIVE(k) found[k] = a##k;
-#define VD_SCALE(k) real a##k = scale * to[k];
-#define VD_RETURN(k) to[k] = a##k;
+#define VD_START_HALF(k) vd_half a##k = VD_HALF(moved, k);
+#define VD_TAKE(k) a##k = vd_fma(vd_all(weight), g[k], a##k);
+#define VD_TAKE_HALF(k) a##k = vd_fma_half(vd_all_half(weight), VD_HALF(g, k), a##k);
+#define VD_GIVE(k) to[k] = a##k;
+#define VD_GIVE_HALF(k) VD_HALF(to, k) = a##k;
+#define VD_SCALE(k) real a##k = vd_all(scale) * to[k];
+#define VD_SCALE_HALF(k) vd_half a##k = vd_all_half(scale) * VD_HALF(to, k);
 
 /* Room holds the tangents of time and states, and behind them those of the results, which later
    results follow from too. */
-#define VD_COMBINE(name, every)                                                                   \
+#define VD_COMBINE(name, every, last)                                                             \
   static void name(const struct slopes *s, const real *w, int lane, long long n,                  \
                    const real *moved, real *room) {                                               \
     const double *all = (const double *)s->results + lane, *weights = (const double *)w + lane;   \
     const int *value = s->values, *source = s->sources;                                           \
-    real *const results = room + (1 + NX) * n, *found = results;                                  \
-    for (long long k = 0; k < s->n_targets; k++, moved += n, found += n) {                        \
-      every(VD_START)                                                                             \
-      for (const int *last = s->values + s->starts[k + 1]; value < last; value++, source++) {     \
-        const real weight = vd_all(all[(long long)*value * VD_LANES]);                            \
+    real *const results = room + (1 + NX) * n, *to = results;                                     \
+    for (long long k = 0; k < s->n_targets; k++, moved += n, to += n) {                           \
+      every(VD_START) last(VD_START_HALF)                                                         \
+      for (const int *end = s->values + s->starts[k + 1]; value < end; value++, source++) {       \
+        const double weight = all[(long long)*value * VD_LANES];                                  \
         const real *g = room + *source * n;                                                       \
-        every(VD_TAKE)                                                                            \
+        every(VD_TAKE) last(VD_TAKE_HALF)                                                         \
       }                                                                                           \
-      every(VD_GIVE)                                                                              \
+      every(VD_GIVE) last(VD_GIVE_HALF)                                                           \
     }                                                                                             \
     const int *column = s->step_columns, *which = s->step_which;                                  \
     for (long long k = 0; k < s->n_steps; k++) {                                                  \
-      const real scale = vd_all(weights[(long long)s->step_scales[k] * VD_LANES]);                \
-      real *to = results + s->step_out[k] * n;                                                    \
-      every(VD_SCALE)                                                                             \
-      for (const int *last = s->step_which + s->step_starts[k + 1]; which < last;                 \
-           which++, column++) {                                                                   \
-        const real weight = vd_all(weights[(long long)*which * VD_LANES]);                        \
-        const real *g = results + *column * n;                                                    \
-        every(VD_TAKE)                                                                            \
+      const double scale = weights[(long long)s->step_scales[k] * VD_LANES];                      \
+      to = results + s->step_out[k] * n;                                                          \
+      every(VD_SCALE) last(VD_SCALE_HALF)                                                         \
+      for (const int *end = s->step_which + s->step_starts[k + 1]; which < end; which++) {        \
+        const double weight = weights[(long long)*which * VD_LANES];                              \
+        const real *g = results + *column++ * n;                                                  \
+        every(VD_TAKE) last(VD_TAKE_HALF)                                                         \
       }                                                                                           \
-      every(VD_RETURN)                                                                            \
+      every(VD_GIVE) last(VD_GIVE_HALF)                                                           \
     }                                                                                             \
   }
 
-VD_COMBINE(combine_one, VD_ONE)
-VD_COMBINE(combine_two, VD_TWO)
-VD_COMBINE(combine_three, VD_THREE)
+VD_COMBINE(combine_one, VD_LONE, VD_NONE)
+VD_COMBINE(combine_two, VD_PAIR, VD_NONE)
+VD_COMBINE(combine_three, VD_TRIPLE, VD_NONE)
+VD_COMBINE(combine_half, VD_NONE, VD_FIRST)
+VD_COMBINE(combine_one_half, VD_LONE, VD_SECOND)
+VD_COMBINE(combine_two_half, VD_PAIR, VD_THIRD)
 
 /* Tangents of results at a point by those of time and states, see above for the room. */
-static void combine(const struct slopes *s, const real *w, int lane, long long n,
-                    const real *moved, real *room) {
-  moved += lane * s->n_targets * n;
+static void combine(const struct slopes *s, const real *w, int lane, const struct directions *d) {
+  static void (*const whole[])(const struct slopes *, const real *, int, long long, const real *,
+                               real *) = {combine_one, combine_two, combine_three};
+  static void (*const halved[])(const struct slopes *, const real *, int, long long, const real *,
+                                real *) = {combine_half, combine_one_half, combine_two_half};
+  const long long n = d->n;
+  const real *moved = d->moved + lane * s->n_targets * n;
   long long k = 0;
-  for (; n - k > 3; k += 3) combine_three(s, w, lane, n, moved + k, room + k);
-  if (n - k == 3) combine_three(s, w, lane, n, moved + k, room + k);
-  if (n - k == 2) combine_two(s, w, lane, n, moved + k, room + k);
-  if (n - k == 1) combine_one(s, w, lane, n, moved + k, room + k);
+  for (; n - k > 3; k += 3) combine_three(s, w, lane, n, moved + k, d->room + k);
+  (d->halved ? halved : whole)[n - k - 1](s, w, lane, n, moved + k, d->room + k);
 }
 
 /* Tangents of the time at a place in the step. */
@@ -110,7 +131,7 @@ static void tangents_rk4(const struct slopes *s, const real *w, const struct dir
   for (int stage = 0; stage < 4; stage++) {
     const double *k = ks + stage * NX;
     place(d, at[stage], given);
-    combine(s, w, lane + stage, n, d->moved, given);
+    combine(s, w, lane + stage, d);
     for (int i = 0; i < NX; i++) rate[i] += weight[stage] * k[i];
     if (stage == 0)
       memcpy(sum, dk, size * sizeof(real));
@@ -127,7 +148,7 @@ static void tangents_symplectic(const struct slopes *s, const real *w, const str
   real *given = d->room, *dk = given + size + n + NZ * n, *moved = dk + size;
   place(d, INSIDE, given);
   memcpy(given + n, d->x, size * sizeof(real));
-  combine(s, w, lane, n, d->moved, given);
+  combine(s, w, lane, d);
   move(d, 1.0, h, k, dk, moved);
   for (int i = 0; i < NQ; i++) {
     const int p = positions[i], v = velocities[i];
@@ -238,7 +259,7 @@ VD_EXPORT int vd_tangent_points(long long count, const double *t, const double *
       const long long point = first + lane;
       memcpy(d->room, dt + point * n, n * sizeof(real));
       memcpy(d->room + n, dx + point * NX * n, NX * n * sizeof(real));
-      combine(s, given->w, lane, n, d->moved, d->room);
+      combine(s, given->w, lane, d);
       memcpy(found + point * size, d->room + (1 + NX) * n, size * sizeof(real));
       for (int i = 0; i < NO; i++) values[point * NO + i] = VD_LANE(observed[i], lane);
     }
