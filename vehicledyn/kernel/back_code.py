@@ -65,7 +65,7 @@ class BackCode:
         n_x = self._n_x = len(e.states)
         n_z = self._n_z = len(e.unknowns)
         n_values, n_c = code.n_values, code.n_constants
-        n_a = self._n_a = len(code.stage.accelerated)
+        self._n_a = len(code.stage.accelerated)
         one, before = code.stage.n_weights - 1, 1 + n_x
         of_c = range(before + n_z, before + n_z + n_c)
         back = code.stage.program.transposed(of_c, one), range(n_z + n_x)

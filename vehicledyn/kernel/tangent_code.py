@@ -184,9 +184,7 @@ class TangentCode:
     def seen(self) -> Program:
         """The program of unknowns and what is observed."""
         stage = self.stage
-        return stage.program.with_values(
-            stage.n_unknowns, self.observed.program, stage.n_weights
-        )
+        return stage.program.with_values(stage.n_unknowns, self.observed.program, stage.n_weights)
 
     @cached_property
     def to_rates(self) -> Passes:

@@ -13,12 +13,13 @@ tangents of the new states are those that states and dependent coordinates had b
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.analyse.gradients.motion_slopes import EventSlope, MotionSlopes, Recorder
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.integrate.events import EventWatch, Point
 from vehicledyn.kernel.bundle import Bundle, Found
@@ -42,35 +43,6 @@ _SHORTEST, _REACH = 1e-9, 1.25
 
 
 @dataclass(frozen=True)
-class EventSlope:
-    """An event: its name, its instant [s], and that one's derivatives (n_directions,)."""
-
-    name: str
-    time: float
-    slope: Vector
-
-
-@dataclass
-class MotionSlopes:
-    """A motion and its derivatives by n directions.
-
-    ``times`` (n_times,), ``values`` (n_times, n_channels), ``slopes`` (n_times, n_channels,
-    n_directions) of the chosen channels, ``state`` and ``state_slopes`` (n_states, n_directions)
-    at the end, ``events`` in their order. Where an event ended the run, the last sample moves with
-    it. ``changes`` are times at which other coordinates became dependent [s].
-    """
-
-    times: Vector
-    values: Matrix
-    slopes: Matrix
-    state: Vector
-    state_slopes: Matrix
-    events: list[EventSlope]
-    ended_by: str
-    changes: list[float] = field(default_factory=list)
-
-
-@dataclass(frozen=True)
 class Piece:
     """Equations that hold from a time on [s], with other dependent coordinates than before.
 
@@ -81,20 +53,6 @@ class Piece:
     time: float
     kernel: Kernel
     code: TangentCode
-
-
-@dataclass
-class _Recorder:
-    n_channels: int
-    n_directions: int
-    times: list[float] = field(default_factory=list)
-    values: list[Vector] = field(default_factory=list)
-    slopes: list[Matrix] = field(default_factory=list)
-
-    def take(self, time: float, values: Vector, slopes: Matrix) -> None:
-        self.times.append(time)
-        self.values.append(values[: self.n_channels])
-        self.slopes.append(slopes[: self.n_channels, : self.n_directions])
 
 
 def follow(
@@ -182,7 +140,7 @@ class _Run:
         self.grid, self.n, self._by_parameter = grid, by_state.shape[1], by_parameter
         self.events: list[EventSlope] = []
         self.watched: Watched | None = None
-        self.record = _Recorder(n_channels, self.n)
+        self.record = Recorder(n_channels, self.n)
         self._names: list[str] = []
         self._later: list[tuple[int, Piece]] = []
         extra = int(bool(piece.kernel.equations.events))

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyse.gradients.key_figures import figure_slope
-from vehicledyn.analyse.gradients.motion import MotionSlopes
+from vehicledyn.analyse.gradients.motion_slopes import MotionSlopes
 from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
 from vehicledyn.analyses.sensitivity.names import START, Directions
 from vehicledyn.base.errors import NumericalError

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.analyse.gradients.adjoint import figure_adjoint
 from vehicledyn.analyse.gradients.key_figures import FigureSlope, figure_slope, unit_of
-from vehicledyn.analyse.gradients.motion import MotionSlopes
+from vehicledyn.analyse.gradients.motion_slopes import MotionSlopes
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.analyses.sensitivity.confirmation import unconfirmed, unconfirmed_figure
 from vehicledyn.analyses.sensitivity.figure_names import check_names, is_figure_of_run

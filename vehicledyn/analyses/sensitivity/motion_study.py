@@ -18,7 +18,8 @@ from vehicledyn.analyse.gradients.key_figures import (
     sampled_slopes,
     unit_of,
 )
-from vehicledyn.analyse.gradients.motion import MotionSlopes, Piece, follow
+from vehicledyn.analyse.gradients.motion import Piece, follow
+from vehicledyn.analyse.gradients.motion_slopes import MotionSlopes
 from vehicledyn.analyse.gradients.sampled_run import sampled_run
 from vehicledyn.analyses.preparation.prepare import Point, set_speed, start_point
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress

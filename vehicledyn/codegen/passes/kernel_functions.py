@@ -36,8 +36,8 @@ class KernelFunctions:
     """CasADi functions of a kernel; ``blocks`` are in the order of the equations' blocks.
 
     ``waves`` return residual and Jacobian of neighbouring blocks that do not depend on each
-    other, in one column, and ``wave_starts`` are their first blocks. ``balance``, where it is wanted:
-    (t, x, z, a, c) -> what accelerations a miss, and the columns of ∂/∂a, see
+    other, in one column, and ``wave_starts`` are their first blocks. ``balance``, if wanted:
+    (t, x, z, a, c) -> what is missing at accelerations a, and the mass matrix, see
     :class:`~vehicledyn.symbolic.motion_residuals.MotionResiduals`.
     """
 

@@ -157,7 +157,7 @@ class Writer:
     def written(
         self, column: Any, symbols: Sequence[Any], sources: Mapping[int, Sequence[int]]
     ) -> tuple[list[int], Any]:
-        """Write the rows of a column of functions; return the columns of its targets and its values.
+        """Write the rows of a column of functions; return its targets' columns and its values.
 
         ``sources`` are the columns of those symbols that move, by their number.
         """

@@ -26,7 +26,6 @@ from vehicledyn.symbolic.equations import Equations
 from vehicledyn.symbolic.motion_residuals import MotionResiduals
 from vehicledyn.symbolic.shared import inlined
 
-
 _MOST_OPERATIONS = 1.5
 """Operations of residuals, mass matrix and factors over those of the rates, up to which the former
 pay: they are what their derivatives follow from."""

@@ -2,9 +2,10 @@
    that they approximate. The Jacobians of several stages are found side by side, then the tangents
    go from stage to stage, VD_LANES directions side by side. */
 
-/* The directions of a run: n groups of VD_LANES each, the last one half empty if halved. x (NX, n) are those of the states, from and
-   to (n) those of the begin and the end of a part of a step; room is for stages, moved for what
-   constants that move add at each point (VD_LANES, results, n), zero where they add nothing. */
+/* The directions of a run: n groups of VD_LANES each, the last one half empty if halved. x (NX, n)
+   are those of the states, from and to (n) those of the begin and the end of a part of a step; room
+   is for stages, moved for what constants that move add at each point (VD_LANES, results, n), zero
+   where they add nothing. */
 struct directions {
   long long n, halved;
   real *x, *from, *to, *room, *moved;

@@ -29,8 +29,8 @@ _EQUATIONS, _RESISTED = "equations", "resisted"
 class EquationMemory:
     """Facts, expressions and fingerprint of equations, and the key of their kernel.
 
-    ``has_residuals`` and ``has_motion_residuals`` say whether the derivation can write the motion as
-    residuals, with multipliers and of accelerations.
+    ``has_residuals`` and ``has_motion_residuals`` say whether the derivation can write the motion
+    as residuals, with multipliers and of accelerations.
     """
 
     facts: dict[str, Any]

@@ -1,0 +1,57 @@
+"""A motion with its derivatives, and the samples of one under way."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class EventSlope:
+    """An event: its name, its instant [s], and that one's derivatives (n_directions,)."""
+
+    name: str
+    time: float
+    slope: Vector
+
+
+@dataclass
+class MotionSlopes:
+    """A motion and its derivatives by n directions.
+
+    ``times`` (n_times,), ``values`` (n_times, n_channels), ``slopes`` (n_times, n_channels,
+    n_directions) of the chosen channels, ``state`` and ``state_slopes`` (n_states, n_directions)
+    at the end, ``events`` in their order. Where an event ended the run, the last sample moves with
+    it. ``changes`` are times at which other coordinates became dependent [s].
+    """
+
+    times: Vector
+    values: Matrix
+    slopes: Matrix
+    state: Vector
+    state_slopes: Matrix
+    events: list[EventSlope]
+    ended_by: str
+    changes: list[float] = field(default_factory=list)
+
+
+@dataclass
+class Recorder:
+    """Keeps the samples of the first channels and directions."""
+
+    n_channels: int
+    n_directions: int
+    times: list[float] = field(default_factory=list)
+    values: list[Vector] = field(default_factory=list)
+    slopes: list[Matrix] = field(default_factory=list)
+
+    def take(self, time: float, values: Vector, slopes: Matrix) -> None:
+        """Keep a sample."""
+        self.times.append(time)
+        self.values.append(values[: self.n_channels])
+        self.slopes.append(slopes[: self.n_channels, : self.n_directions])
