@@ -197,7 +197,14 @@ class SlopeMap:
         starts = np.searchsorted(by_state[:, 0], np.arange(n_targets + 1))
         own = moved.entries.copy()
         own[:, 2] += firsts[len(known.plans)]
-        lists = [starts, by_state[:, 2], by_state[:, 1], own[:, 2], own[:, 0], own[:, 1]]
+        lists: list[NDArray[Any]] = [
+            starts,
+            by_state[:, 2],
+            by_state[:, 1],
+            own[:, 2],
+            own[:, 0],
+            own[:, 1],
+        ]
         lists += [solution.out, solution.scales, solution.starts]
         lists += [solution.columns, solution.which]
         n_slots = max([1, *[p.n_slots for p, _ in whole]])

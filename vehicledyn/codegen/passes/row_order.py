@@ -40,12 +40,12 @@ def by_parts(rows: LinearRows) -> LinearRows:
         if target >= n:
             way.append((target - n, iter(needed[target - n])))
         while way:
-            k, others = way[-1]
-            other = next((item for item in others if item not in place), None)
-            if other is not None:
-                way.append((other, iter(needed[other])))
+            row, before = way[-1]
+            missed = next((item for item in before if item not in place), None)
+            if missed is not None:
+                way.append((missed, iter(needed[missed])))
                 continue
-            write(k)
+            write(row)
             way.pop()
     return _ordered(rows, place)
 
