@@ -72,6 +72,18 @@ def test_another_car_is_refused(tmp_path):
         kept.begin("b car")
 
 
+@pytest.mark.parametrize(
+    "data",
+    [b"", b"[]\n", b'[2, 1, ""]\n' + bytes(40), b'[null, 1, ""]\n', b"[1, 1, 1]\n\xff"],
+)
+def test_damaged_drives_are_refused(tmp_path, data):
+    with KeptDrives(tmp_path / "y.h5", resume=False) as kept:
+        kept.begin("a car")
+        kept._checkpoint.put(KEY, data)
+        with pytest.raises(InputError, match=r"y\.h5\.checkpoint: is damaged; start again"):
+            kept.recall(KEY)
+
+
 def test_two_studies_do_not_write_one_result(tmp_path):
     refused = pytest.raises(InputError, match="another run is writing")
     with KeptDrives(tmp_path / "y.h5", resume=False), refused:

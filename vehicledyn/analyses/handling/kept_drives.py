@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import io
+import json
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
@@ -82,22 +82,44 @@ class KeptDrives:
         self._open.callback(self._checkpoint.close)
 
     def recall(self, key: bytes) -> Drive | None:
-        """Return what a drive gave, None where it is not kept."""
+        """Return what a drive gave, None where it is not kept.
+
+        Raises
+        ------
+        InputError
+            If what is kept is damaged.
+        """
         data = None if self._checkpoint is None else self._checkpoint.get(key)
-        if data is None:
+        if data is None or self._checkpoint is None:
             return None
-        with np.load(io.BytesIO(data), allow_pickle=False) as parts:
-            return Drive(parts["times"], parts["outputs"], str(parts["ended_by"]))
+        try:
+            return _drive_of(data)
+        except (ValueError, TypeError, RecursionError):
+            raise InputError(
+                f"{self._checkpoint.path}: is damaged; start again without {argument('resume')}"
+            ) from None
 
     def keep(self, key: bytes, drive: Drive) -> None:
         """Keep what a drive gave."""
-        if self._checkpoint is None:
-            return
-        box = io.BytesIO()
-        np.savez(box, times=drive.times, outputs=drive.outputs, ended_by=np.array(drive.ended_by))
-        self._checkpoint.put(key, box.getvalue())
+        if self._checkpoint is not None:
+            self._checkpoint.put(key, _data_of(drive))
 
     def forget(self) -> None:
         """Remove what was kept, as the result is written."""
         if self._checkpoint is not None:
             self._checkpoint.remove()
+
+
+def _data_of(drive: Drive) -> bytes:
+    """Return a line with the shape and what ended the drive, and the numbers."""
+    head = json.dumps([*drive.outputs.shape, drive.ended_by])
+    return b"".join([head.encode(), b"\n", drive.times.tobytes(), drive.outputs.tobytes()])
+
+
+def _drive_of(data: bytes) -> Drive:
+    """Return a drive from its data; a ValueError or TypeError says that they are none."""
+    head, _, body = data.partition(b"\n")
+    rows, columns, ended_by = json.loads(head)
+    numbers = np.frombuffer(body).copy()
+    times, outputs = numbers[:rows], numbers[rows:].reshape(rows, columns)
+    return Drive(times, outputs, str(ended_by))
