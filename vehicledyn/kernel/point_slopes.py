@@ -62,6 +62,9 @@ class PointCode:
     often
         Whether the derivatives are wanted at so many points that the code of the whole Jacobian
         pays.
+    first
+        How many of the variables of a point the values are differentiated by, if not by all and a
+        parameter; they come first.
 
     Raises
     ------
@@ -78,12 +81,13 @@ class PointCode:
         *,
         index: int | None = None,
         often: bool = False,
+        first: int = 0,
     ) -> None:
         """Derive, print and compile, or take the code from the cache."""
         self._rows = TableRows(tables)
         self._n_values = values.shape[0]
-        self._n_directions = 0 if index is None else point.shape[0] + 1
-        wanted = Wanted(values, point, parameter, tables, index, often)
+        wanted = Wanted(values, point, parameter, tables, index, often, first)
+        self._n_directions = 0 if wanted.moving is None else wanted.moving.shape[0]
         self._lanes = suitable_lanes()
         self._library = compiled(wanted, self._lanes)
         self.carries_motion = bool(wanted.motion(self._lanes))
@@ -94,9 +98,9 @@ class PointCode:
         return self._at(points, parameters)[0]
 
     def slopes(self, points: Vector, parameters: Vector) -> tuple[Vector, Vector]:
-        """Return values (count, n_values) and derivatives (count, n_values, n + 1).
+        """Return values (count, n_values) and derivatives (count, n_values, n_directions).
 
-        Points have the shape (count, n); the last derivative is that by the parameter.
+        Points have the shape (count, n); the last derivative is that by the parameter, if any.
         """
         values, slopes = self._at(points, parameters)
         return values, slopes.transpose(0, 2, 1)
@@ -242,7 +246,14 @@ class PointCode:
         numbers = self._rows.after(np.ascontiguousarray(parameters, dtype=float))
         values = np.empty((count, self._n_values))
         slopes = np.empty((count, self._n_directions, self._n_values))
-        self._library.vd_points(count, *[a.ctypes.data for a in (given, numbers, values, slopes)])
+        each = self._each(count) if self._n_directions < self._lanes else -(-count // cores())
+
+        def evaluate(first: int) -> None:
+            part = slice(first, min(first + each, count))
+            arrays = given[part], numbers, values[part], slopes[part]
+            self._library.vd_points(len(arrays[0]), *[a.ctypes.data for a in arrays])
+
+        _side_by_side(evaluate, range(0, count, max(each, 1)))
         return values, slopes
 
 

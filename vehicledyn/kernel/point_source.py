@@ -44,7 +44,8 @@ class Wanted:
     """What is compiled: ``values`` as functions of a ``point`` and the parameters.
 
     With ``index`` of a parameter, their derivatives by the point and by that; ``often`` where so
-    many are wanted that the code of the whole Jacobian pays.
+    many are wanted that the code of the whole Jacobian pays. With ``first``, derivatives by so many
+    variables of the point, which come first, and by no parameter.
     """
 
     values: Any
@@ -53,10 +54,18 @@ class Wanted:
     tables: tuple[CurveTable, ...]
     index: int | None
     often: bool
+    first: int = 0
+
+    @property
+    def moving(self) -> Any:
+        """The variables by which the values are differentiated, a column, None for none."""
+        if self.first:
+            return self.point[: self.first]
+        return None if self.index is None else ops.stacked(self.point, self.parameter[self.index])
 
     def motion(self, lanes: int) -> tuple[str, ...]:
         """Return the files of functions that follow motions, where values are rates."""
-        if self.values.shape[0] != self.point.shape[0]:
+        if self.values.shape[0] != self.point.shape[0] or self.first:
             return ()
         if self.index is None:
             return ("march.c",) if lanes == 1 else ()
@@ -67,14 +76,14 @@ class Wanted:
         import casadi
 
         function = casadi.Function("values", [self.point, self.parameter], [self.values])
-        texts = [function_text(function, self.tables), repr((self.index, self.often))]
+        texts = [function_text(function, self.tables), repr((self.index, self.often, self.first))]
         return cache.key_of(*texts, *further)
 
     def text(self, lanes: int) -> str:
         """Return the C source."""
         inputs, results, pattern = [self.point, self.parameter], [self.values], None
-        if self.index is not None:
-            moving = ops.stacked(self.point, self.parameter[self.index])
+        moving = self.moving
+        if moving is not None:
             if self.often:
                 values, slopes = values_and_jacobian(self.values, moving)
                 pattern = slopes.sparsity()
@@ -90,7 +99,7 @@ class Wanted:
             "NT": ROW * len(self.tables),
             "NPOINT": self.point.shape[0],
             "NROW": self.values.shape[0],
-            "NDIRECTION": 0 if self.index is None else self.point.shape[0] + 1,
+            "NDIRECTION": 0 if moving is None else moving.shape[0],
             "NENTRY": 0 if pattern is None else pattern.nnz(),
         }
         names = [f"i{k}" for k in range(evaluate.n_in())]

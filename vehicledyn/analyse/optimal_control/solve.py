@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.analyse.optimal_control.problem import ControlProblem
+from vehicledyn.analyse.optimal_control.oracle import Oracle
 from vehicledyn.analyse.optimal_control.trajectory import Trajectory
-from vehicledyn.analyse.optimal_control.transcription import Program
+from vehicledyn.analyse.optimal_control.transcription import PointModel, Program
 
 Floats = NDArray[np.float64]
 
@@ -45,7 +45,7 @@ Watch = Callable[[int, float, float, Callable[[], Trajectory]], None]
 
 
 def solve_on_mesh(
-    problem: ControlProblem,
+    model: PointModel,
     guess: Trajectory,
     scales: Floats,
     *,
@@ -58,8 +58,8 @@ def solve_on_mesh(
 
     Parameters
     ----------
-    problem
-        What is to be optimised.
+    model
+        Of the problem to solve.
     guess
         Where to begin.
     scales
@@ -75,9 +75,9 @@ def solve_on_mesh(
     """
     import casadi
 
-    program = Program(problem, guess.mesh, scales)
-    constraints = program.constraints
-    seen = _observer(program, watch, constraints.numel())
+    program = Program(model, guess.mesh, scales)
+    oracle = Oracle(program.rows)
+    seen = _observer(program, watch)
     options: dict[str, Any] = {
         "ipopt.print_level": 0,
         "print_time": False,
@@ -89,19 +89,23 @@ def solve_on_mesh(
         "ipopt.theta_max_fact": 1.0,  # else steps may leave the motion far behind
         "ipopt.linear_solver": "mumps",
         "error_on_fail": False,
+        "grad_f": oracle.gradient,
+        "jac_g": oracle.jacobian,
+        "hess_lag": oracle.hessian,
+        "no_nlp_grad": True,
         "iteration_callback": seen,
         "iteration_callback_ignore_errors": False,
     }
     if is_warm:
         options |= {"ipopt.mu_strategy": "monotone", "ipopt.mu_init": 1e-4}
-    nlp = {"x": program.variables, "f": program.objective, "g": constraints}
-    solver = casadi.nlpsol("optimum", "ipopt", nlp, options)
+    solver = casadi.nlpsol("optimum", "ipopt", oracle.values, options)
     low, high = program.bounds()
-    row_low, row_high = program.row_bounds
+    row_low, row_high = program.rows.bounds
     start = np.clip(program.layout.of(guess), low, high)
     found = solver(x0=start, lbx=low, ubx=high, lbg=row_low, ubg=row_high)
-    if seen.error is not None:
-        raise seen.error
+    for raised in (seen.error, oracle.error):
+        if raised is not None:
+            raise raised
     stats = solver.stats()
     status = str(stats["return_status"])
     rows = np.array(found["g"]).ravel()
@@ -116,11 +120,11 @@ def solve_on_mesh(
     )
 
 
-def _observer(program: Program, watch: Watch, n_rows: int) -> Any:
+def _observer(program: Program, watch: Watch) -> Any:
     """Return what IPOPT calls after each iteration."""
     import casadi
 
-    row_low, row_high = program.row_bounds
+    row_low, row_high = program.rows.bounds
 
     class Observer(casadi.Callback):
         """Report the iterations of a search."""
@@ -145,8 +149,8 @@ def _observer(program: Program, watch: Watch, n_rows: int) -> Any:
                 "f": 1,
                 "x": program.layout.size,
                 "lam_x": program.layout.size,
-                "g": n_rows,
-                "lam_g": n_rows,
+                "g": len(row_low),
+                "lam_g": len(row_low),
             }
             return casadi.Sparsity.dense(sizes.get(casadi.nlpsol_out(index), 0), 1)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.analyse.optimal_control.path_curves import PathCurves
 from vehicledyn.analyse.optimal_control.problem import ControlProblem
 from vehicledyn.analyse.optimal_control.trajectory import DEGREE, Trajectory, radau_points
 from vehicledyn.base.errors import InputError
@@ -124,13 +125,11 @@ def _follow(manoeuvre: PreparedManoeuvre, states: Floats, distance: Floats, spee
 
 def _check_start(problem: ControlProblem, state: Floats, distance: float) -> None:
     """Refuse a start outside the corridor."""
-    from vehicledyn.analyse.optimal_control.point_function import path_functions
-
     path = problem.path
     assert path is not None
     if not (problem.start[list(path.place), 0] == problem.start[list(path.place), 1]).all():
         return
-    seen, sides = path_functions(path)
+    curves = PathCurves(path)
     x, y = (float(state[k]) for k in path.place)
     near = (
         np.argmin(np.hypot(path.x - x, path.y - y))
@@ -138,8 +137,8 @@ def _check_start(problem: ControlProblem, state: Floats, distance: float) -> Non
         else None
     )
     at = distance if near is None else float(path.distance[near])
-    gap, offset = (float(v) for v in seen(at, x, y))
-    right, left = np.array(sides(at)).ravel()
+    gap, offset = (float(v) for v in curves.seen(at, x, y))
+    right, left = (float(v) for v in curves.sides(at))
     slack = 1e-9
     if near is None and abs(gap) > 1e-6:
         raise InputError(

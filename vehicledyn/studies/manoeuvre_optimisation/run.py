@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.analyse.optimal_control.path_curves import PathCurves
 from vehicledyn.analyse.optimal_control.simulated import (
     ControlledRun,
     relative_errors,
@@ -16,6 +17,7 @@ from vehicledyn.analyse.optimal_control.simulated import (
 )
 from vehicledyn.analyse.optimal_control.solve import Solution, solve_on_mesh
 from vehicledyn.analyse.optimal_control.trajectory import DEGREE, Trajectory, radau_points
+from vehicledyn.analyse.optimal_control.transcription import PointModel
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.base.units import shown
 from vehicledyn.results.store.linear_file import Quantity
@@ -133,10 +135,12 @@ class _Search:
     def run(self, guess: Trajectory, *, is_warm: bool) -> Solution:
         """Return the solution on the last mesh, or the first that failed."""
         study, problem = self.manoeuvre.study, self.manoeuvre.problem
+        self.progress("deriving the functions of a point", None)
+        model = PointModel(problem)
         for level in range(study.refinements + 1):
             self.progress(f"optimising on {guess.n_intervals} intervals", None)
             solution = solve_on_mesh(
-                problem,
+                model,
                 guess,
                 self.scales,
                 tolerance=study.tolerance,
@@ -270,15 +274,10 @@ class _Search:
         path = self.manoeuvre.problem.path
         if path is None:
             return np.zeros((1 + trajectory.n_intervals * DEGREE, 0))
-        from vehicledyn.analyse.optimal_control.point_function import path_functions
-
-        seen, sides = path_functions(path)
-        rows = []
-        for state, s in zip(trajectory.all_states, trajectory.all_distances, strict=True):
-            offset = float(seen(s, *(state[k] for k in path.place))[1])
-            right, left = np.array(sides(s)).ravel()
-            rows.append([s, offset, -right, left])
-        return np.array(rows)
+        curves, s = PathCurves(path), trajectory.all_distances
+        _, offset = curves.seen(s, *(trajectory.all_states[:, k] for k in path.place))
+        right, left = curves.sides(s)
+        return np.column_stack([s, offset, -right, left])
 
 
 def _about(item: Any) -> Quantity:
