@@ -21,6 +21,14 @@ OBJECTIVE = 0
 """The row of the objective."""
 
 
+_ROUNDS = 20
+"""Rounds of equilibration."""
+
+
+_NARROW = 1e-3
+"""Part of a variable's range along a motion; a law that bends within it has a corner."""
+
+
 class PointGroup:
     """A function at points.
 
@@ -116,6 +124,33 @@ class Rows:
         parts = [np.concatenate(part) for part in zip(*bends, strict=True)]
         self.bends = _matrix((nothing, nothing, np.zeros(0)), parts, *2 * (self.scale.size,))
 
+    def equilibrate(self, variables: Floats) -> Floats:
+        """Divide rows and variables so that the largest derivatives of each are about one.
+
+        Takes variables that are divided by their scales and returns by what they have to be divided
+        further. Source: Ruiz (2001), RAL-TR-2001-034.
+        """
+        from scipy.sparse import csc_matrix
+
+        shape = self.count, self.scale.size
+        slopes = self.jacobian(variables), self.slopes.rows, self.slopes.starts
+        sizes = abs(csc_matrix(slopes, shape=shape))[OBJECTIVE + 1 :]
+        by_row, by_column = np.ones(shape[0] - 1), np.ones(shape[1])
+        for _ in range(_ROUNDS):
+            most = [np.sqrt(sizes.max(axis=k).toarray().ravel()) for k in (1, 0)]
+            row, column = (1.0 / np.where(m > 0.0, m, 1.0) for m in most)
+            sizes = sizes.multiply(row[:, None]).multiply(column[None]).tocsc()
+            by_row, by_column = by_row * row, by_column * column
+        factor = np.concatenate([[1.0], by_row])
+        self.scale *= by_column
+        self._linear = [(r, c, f * factor[r]) for r, c, f in self._linear]
+        for group in self.groups:
+            group.weight *= np.where(group.row >= 0, factor[group.row], 0.0)
+        low, high = self.bounds
+        self._low, self._high = [low * by_row], [high * by_row]
+        self.finish()
+        return by_column
+
     def _first_order(self, group: PointGroup) -> tuple[Indices, Indices, Floats]:
         outputs, variables = group.function.jacobian_entries
         row, column = group.row[:, outputs], group.variables[:, variables]
@@ -148,13 +183,28 @@ class Rows:
         return self.slopes.filled(np.concatenate(found))
 
     def hessian(self, variables: Floats, multipliers: Floats) -> Floats:
-        """Return second derivatives of the rows times multipliers, the numbers of ``bends``."""
+        """Return second derivatives of the rows times multipliers, the numbers of ``bends``.
+
+        Corners that a law rounds within less than a thousandth of a motion's range are left as
+        corners: of each second derivative the middle of three is taken, at the point and to both
+        sides of it. Their huge values hold nowhere else and would stop the search.
+        """
         true, found = variables * self.scale, []
         for group in self.groups:
             weights = np.where(group.row >= 0, group.weight * multipliers[group.row], 0.0)
-            entries = group.function.hessian(true[group.variables], group.constants, weights)
-            found.append(entries.ravel())
+            found.append(_curvature(group, true[group.variables], weights).ravel())
         return self.bends.filled(np.concatenate(found))
+
+
+def _curvature(group: PointGroup, points: Floats, weights: Floats) -> Floats:
+    """Return the second derivatives of a group, without those of narrow corners."""
+    signs = np.where(np.arange(points.size).reshape(points.shape) % 2, -1.0, 1.0)
+    beside = _NARROW * signs * np.ptp(points, axis=0)
+    if not beside.any():
+        return group.function.hessian(points, group.constants, weights)
+    places = [points - beside, points, points + beside]
+    found = [group.function.hessian(place, group.constants, weights) for place in places]
+    return np.asarray(np.median(found, axis=0))
 
 
 def _matrix(fixed: Any, moving: Any, n_rows: int, n_columns: int) -> Matrix:

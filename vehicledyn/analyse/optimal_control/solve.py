@@ -26,6 +26,10 @@ _ENDS = {
 }
 
 
+_FEASIBLE = 1e-6
+"""By how much scaled constraints may be missed, however vague the optimum may be."""
+
+
 @dataclass(frozen=True)
 class Solution:
     """A trajectory, its objective, and how the search ended; ``failure`` is empty if well.
@@ -76,6 +80,7 @@ def solve_on_mesh(
     import casadi
 
     program = Program(model, guess.mesh, scales)
+    program.rows.equilibrate(program.layout.of(guess))
     oracle = Oracle(program.rows)
     seen = _observer(program, watch)
     options: dict[str, Any] = {
@@ -85,9 +90,16 @@ def solve_on_mesh(
         "ipopt.max_iter": most_iterations,
         "ipopt.tol": tolerance,
         "ipopt.acceptable_tol": 1e2 * tolerance,
+        "ipopt.constr_viol_tol": min(tolerance, _FEASIBLE),
+        "ipopt.acceptable_constr_viol_tol": _FEASIBLE,
         "ipopt.mu_strategy": "adaptive",
         "ipopt.theta_max_fact": 1.0,  # else steps may leave the motion far behind
         "ipopt.linear_solver": "mumps",
+        # smaller pivots miscount the signs of stiff models' eigenvalues, which stops the search
+        "ipopt.mumps_pivtol": 1e-2,
+        # rows and variables are equilibrated already
+        "ipopt.mumps_scaling": 0,
+        "ipopt.mumps_permuting_scaling": 0,
         "error_on_fail": False,
         "grad_f": oracle.gradient,
         "jac_g": oracle.jacobian,

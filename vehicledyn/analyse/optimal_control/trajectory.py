@@ -94,12 +94,12 @@ class Trajectory:
                 found[0, k] = weights @ self.inner[interval, :, k]
         return found
 
-    def refined(self, controls: tuple[Control, ...], split: NDArray[np.bool_]) -> Trajectory:
-        """Return the same motion on a mesh whose intervals of ``split`` (n,) are halved."""
+    def refined(self, controls: tuple[Control, ...], counts: NDArray[np.int64]) -> Trajectory:
+        """Return the same motion on a mesh whose intervals are cut into ``counts`` (n,) parts."""
         parts = [
-            (k, part, 0.5 if split[k] else 1.0)
-            for k in range(self.n_intervals)
-            for part in ((0.0, 0.5) if split[k] else (0.0,))
+            (k, number / count, 1.0 / count)
+            for k, count in enumerate(counts.tolist())
+            for number in range(count)
         ]
         steps = np.diff(self.mesh)
         mesh = np.array([self.mesh[k] + part * steps[k] for k, part, _ in parts] + [1.0])

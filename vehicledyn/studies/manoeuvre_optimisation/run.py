@@ -33,6 +33,9 @@ Floats = NDArray[np.float64]
 _STEPS, _LONGEST_STEP = 2000, 5e-3
 """Steps of the check's simulation at least, and its longest step [s], where none is given."""
 
+_MOST_PARTS = 4
+"""Parts into which a refinement cuts an interval at most."""
+
 _TOO_FAR = 0.01
 """Part of a state's range by which the simulation may miss the optimum before it is warned of."""
 
@@ -116,6 +119,15 @@ def run_manoeuvre(
     return ManoeuvreReport(search.table(solution, notes))
 
 
+def _parts(errors: Floats) -> NDArray[np.int64]:
+    """Return into how many parts to cut intervals whose errors are so many times too large.
+
+    As for errors of second order in the length, which is what they are where a law has a corner.
+    """
+    counts = np.ceil(np.sqrt(np.where(np.isfinite(errors), errors, np.inf)))
+    return np.clip(counts, 1.0, _MOST_PARTS).astype(np.int64)
+
+
 class _Search:
     """A search over meshes, with what is recorded of it."""
 
@@ -152,10 +164,10 @@ class _Search:
                 return solution
             errors = self._interval_errors(solution.trajectory)
             self.mesh_errors.append(float(errors.max(initial=0.0)))
-            split = errors > study.accuracy
-            if not split.any() or level == study.refinements:
+            if (errors <= study.accuracy).all() or level == study.refinements:
                 break
-            guess = solution.trajectory.refined(problem.controls, split)
+            counts = _parts(errors / study.accuracy)
+            guess = solution.trajectory.refined(problem.controls, counts)
         return solution
 
     def _watch(self, number: int, objective: float, violation: float, at: Any) -> None:
