@@ -217,6 +217,6 @@ def _matrix(fixed: Any, moving: Any, n_rows: int, n_columns: int) -> Matrix:
     keys = [columns * n_rows + rows for rows, columns, _ in (fixed, moving)]
     known, target = np.unique(np.concatenate(keys), return_inverse=True)
     n_fixed, rows, columns = len(keys[0]), known % n_rows, known // n_rows
-    base = np.bincount(target[:n_fixed], fixed[2], minlength=known.size)
+    base = np.asarray(np.bincount(target[:n_fixed], fixed[2], minlength=known.size), dtype=float)
     starts = np.searchsorted(columns, np.arange(n_columns + 1))
     return Matrix(rows, starts, base, source, target[n_fixed:], moving[2])
