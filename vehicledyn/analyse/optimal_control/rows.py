@@ -25,10 +25,6 @@ _ROUNDS = 20
 """Rounds of equilibration."""
 
 
-_NARROW = 1e-3
-"""Part of a variable's range along a motion; a law that bends within it has a corner."""
-
-
 class PointGroup:
     """A function at points.
 
@@ -183,28 +179,13 @@ class Rows:
         return self.slopes.filled(np.concatenate(found))
 
     def hessian(self, variables: Floats, multipliers: Floats) -> Floats:
-        """Return second derivatives of the rows times multipliers, the numbers of ``bends``.
-
-        Corners that a law rounds within less than a thousandth of a motion's range are left as
-        corners: of each second derivative the middle of three is taken, at the point and to both
-        sides of it. Their huge values hold nowhere else and would stop the search.
-        """
+        """Return second derivatives of the rows times multipliers, the numbers of ``bends``."""
         true, found = variables * self.scale, []
         for group in self.groups:
             weights = np.where(group.row >= 0, group.weight * multipliers[group.row], 0.0)
-            found.append(_curvature(group, true[group.variables], weights).ravel())
+            entries = group.function.hessian(true[group.variables], group.constants, weights)
+            found.append(entries.ravel())
         return self.bends.filled(np.concatenate(found))
-
-
-def _curvature(group: PointGroup, points: Floats, weights: Floats) -> Floats:
-    """Return the second derivatives of a group, without those of narrow corners."""
-    signs = np.where(np.arange(points.size).reshape(points.shape) % 2, -1.0, 1.0)
-    beside = _NARROW * signs * np.ptp(points, axis=0)
-    if not beside.any():
-        return group.function.hessian(points, group.constants, weights)
-    places = [points - beside, points, points + beside]
-    found = [group.function.hessian(place, group.constants, weights) for place in places]
-    return np.asarray(np.median(found, axis=0))
 
 
 def _matrix(fixed: Any, moving: Any, n_rows: int, n_columns: int) -> Matrix:
