@@ -10,7 +10,7 @@ import numpy as np
 from vehicledyn.base.errors import InputError
 from vehicledyn.integrate.course import Course
 from vehicledyn.integrate.judged_quantities import Judged
-from vehicledyn.integrate.task import Happened, Sink, Statistics, Task
+from vehicledyn.integrate.task import EachStep, Happened, Sink, Statistics, Task
 from vehicledyn.kernel.kernel import Kernel
 from vehicledyn.kernel.make_kernel import Progress
 
@@ -109,6 +109,7 @@ def make_task(
     judged: Judged | None = None,
     course: Course | None = None,
     watched: bool = True,
+    each_step: EachStep | None = None,
 ) -> Task:
     """Return what :func:`simulate` integrates, which counts its steps as they are taken.
 
@@ -139,6 +140,7 @@ def make_task(
         judged=judged,
         course=course,
         watched=watched,
+        each_step=each_step,
     )
 
 

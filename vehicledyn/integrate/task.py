@@ -29,6 +29,10 @@ Happened: TypeAlias = Callable[[str, float], None]
 _MOST_NUMBERS = 1_000_000
 
 
+EachStep: TypeAlias = Callable[[float, Vector, Vector, float], None]
+"""Called at the end of a step with its time [s], states, unknowns and size [s]; may raise."""
+
+
 class StepError(NumericalError):
     """A step of fixed size that cannot be taken, as its loops or its numbers fail."""
 
@@ -80,8 +84,9 @@ class Task:
 
     Sample number k is taken at ``start + k * interval``; ``state`` and ``unknowns`` are those
     of sample 0, consistent, or of the beginning of a continued run. ``judged`` is what the accuracy
-    is judged by, all channels where it is None; ``watched`` whether it is judged at all. ``steps``
-    are those taken so far, and ``sizes`` the least and the largest of them [s].
+    is judged by, all channels where it is None; ``watched`` whether it is judged at all.
+    ``each_step`` is called by methods that choose the size of their steps, but for those inside
+    libraries. ``steps`` are those taken so far, ``sizes`` the least and the largest of them [s].
     """
 
     kernel: Kernel
@@ -96,6 +101,7 @@ class Task:
     judged: Judged | None = None
     course: Course | None = None
     watched: bool = True
+    each_step: EachStep | None = None
     delivered: int = 0
     steps: int = 0
     sizes: tuple[float, float] | None = None

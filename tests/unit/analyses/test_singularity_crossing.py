@@ -56,6 +56,21 @@ def test_a_passage_of_too_many_steps_ends(monkeypatch):
         passage(20.0).advance(10.0)
 
 
+def test_a_passage_does_not_give_up_its_accuracy(monkeypatch):
+    """A step that needs a coarser one is none: at a dead point it would lead anywhere."""
+    tried = []
+
+    def refused(passage, size):
+        tried.append(passage._tolerance)
+        return False
+
+    monkeypatch.setattr(Passage, "_jump", refused)
+    with pytest.raises(NumericalError, match="not passed"):
+        passage(0.08).go(crossing=[0], until=0.1)
+    assert len(tried) > 6
+    assert max(tried) < 2e-9
+
+
 @pytest.mark.long
 def test_rates_without_loops_of_their_own_are_watched_too():
     """Rolling constraints have a determinant beside those of the loops."""

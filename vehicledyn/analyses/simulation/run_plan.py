@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from vehicledyn.integrate.course import Course
 from vehicledyn.integrate.fixed_step import FixedSteps
 from vehicledyn.integrate.simulate import Solver, make_task
-from vehicledyn.integrate.task import Happened, Sink, Statistics, StepError
+from vehicledyn.integrate.task import EachStep, Happened, Sink, Statistics, StepError
 from vehicledyn.kernel.kernel import Kernel
 from vehicledyn.kernel.make_kernel import Progress
 
@@ -102,6 +102,7 @@ class RunPlan:
         parts: list[Statistics],
         progress: Progress,
         course: Course | None = None,
+        each_step: EachStep | None = None,
     ) -> Statistics:
         """Integrate a piece of the run, from look to look.
 
@@ -120,6 +121,7 @@ class RunPlan:
             happened=self.happened,
             course=course,
             watched=False,
+            each_step=each_step,
         )
         try:
             return self.solver.integrate(task)

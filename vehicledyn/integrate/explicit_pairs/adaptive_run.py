@@ -76,6 +76,8 @@ def run_explicit(
                 sizes.append(solver.step_size)
                 if solver.step_size > 0.0:
                     task.count_steps(1, float(solver.step_size))
+                if task.each_step is not None:
+                    task.each_step(solver.t, solver.y, rates.accepted, float(solver.step_size))
                 since_event += 1
                 if since_event > _STALLED:
                     _check_advance(task, rates, solver, sizes)

@@ -17,7 +17,6 @@ from vehicledyn.analyses.simulation.partitions.singularity_crossing import Sampl
 from vehicledyn.analyses.simulation.partitions.singularity_monitor import (
     FINE_LEVERAGE,
     LEVERAGE,
-    Degrading,
     PivotLog,
 )
 from vehicledyn.analyses.simulation.run_plan import Point, RunPlan
@@ -39,6 +38,8 @@ _INACCURATE = 10.0 * FINE_LEVERAGE
 """Leverage behind which steps of a fixed size are inaccurate, if other coordinates do better."""
 _WELL_REGULAR = 0.02
 """Least singular value of scaled constraints that is far from a singular position [1]."""
+_PROBE = 1e-7
+"""Time over which rates of pivots are found [s]."""
 _COMPILED = 3
 """Partitions that are compiled whatever follows: that of the start, and the next two."""
 _MANY_CHANGES = 6
@@ -65,7 +66,8 @@ class PartitionChanges:
     """Compares partitions along a run and changes its kernel.
 
     ``first`` are the equations that the run began with, ``known`` the kernels of other partitions
-    derived so far, ``parts`` what the steps taken once more are counted in.
+    derived so far, ``parts`` what the steps taken once more are counted in, ``event_times`` when
+    events have happened [s].
     """
 
     system: System
@@ -76,6 +78,7 @@ class PartitionChanges:
     known: dict[tuple[str, ...], Kernel]
     parts: list[Statistics]
     changed_at: float = -np.inf
+    event_times: list[float] = field(default_factory=list)
     log: PivotLog = field(init=False)
     _changes: int = field(default=0, init=False)
 
@@ -145,6 +148,16 @@ class PartitionChanges:
         ]
         return np.column_stack([values, rates])
 
+    def pivot_rates(self, sample: Sample) -> Vector:
+        """Return the rates of the pivots at a sample [1/s]."""
+        kernel, outputs = self.kernel, values_of(self.kernel, sample)
+        moving = [outputs.get(f"{u.name}_rate", 0.0) for u in kernel.equations.unknowns]
+        state = sample.state + _PROBE * kernel.rates(sample.time, sample.state, sample.unknowns)
+        unknowns, time = sample.unknowns + _PROBE * np.array(moving), sample.time + _PROBE
+        ahead = Sample(time, state, unknowns, kernel.outputs(time, state, unknowns))
+        here, there = self.pivots([sample, ahead])
+        return np.asarray((there - here) / _PROBE)
+
     def better_at_look(self, sample: Sample, limit: float) -> Comparison | None:
         """Return the same at a look, but none at a terminal event, behind which nothing follows."""
         return self.better(sample, limit) if self.plan.is_look(sample.time) else None
@@ -165,19 +178,6 @@ class PartitionChanges:
         found = self.watch.compare(sample.time, values, self._dependent)
         return found if found.best_leverage < _GAIN * leverage else None
 
-    def change_for(self, degrading: Degrading) -> RestartPoint:
-        """Change the partition at the first step at which another is clearly better.
-
-        The steps since the look before are taken once more, as the last of them are inaccurate.
-        """
-        sample = degrading.sample
-        earlier = self.first_better(degrading.before, sample.time)
-        if earlier is not None:
-            return self.change_between(*earlier)
-        self._refuse_late(sample, degrading.comparison)
-        self.log.accept(sample)
-        return self.change(sample, degrading.comparison)
-
     def first_better(self, before: Sample | None, stop: float) -> tuple[Sample, Comparison] | None:
         """Return the first step between two looks at which other coordinates do clearly better."""
         step = self.plan.step
@@ -190,12 +190,15 @@ class PartitionChanges:
         for near in rows[1:count]:
             found = self.better(near, self.leverage)
             if found is not None and near.time > self.changed_at:
-                self._refuse_late(near, found)
+                self.refuse_late(near, found)
                 return near, found
         return None
 
     def change_between(self, near: Sample, found: Comparison) -> RestartPoint:
-        """Change the partition at a step between two looks; go on at the second."""
+        """Change the partition at a look, or at a step between two; go on at the second."""
+        if self.plan.is_look(near.time):
+            self.log.accept(near)
+            return self.change(near, found)
         look, here = self.changed(near, found)
         rows: list[Sample] = []
         self._follow(here, self.plan.time(look), 1, rows)
@@ -239,7 +242,7 @@ class PartitionChanges:
         self.plan.happened("partition.changed", sample.time)
         return RestartPoint(self.plan.index(sample.time), state, unknowns)
 
-    def _refuse_late(self, sample: Sample, found: Comparison) -> None:
+    def refuse_late(self, sample: Sample, found: Comparison) -> None:
         """Raise NumericalError where a step of fixed size has come too near to a bad partition."""
         step = self.plan.step
         if step is not None and found.leverage > _INACCURATE:

@@ -19,6 +19,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.analyses.simulation.partitions.dead_points import DeadPoints
+from vehicledyn.analyses.simulation.partitions.interruptions import (
+    Crossing,
+    Degrading,
+    Misled,
+    Weakened,
+)
 from vehicledyn.analyses.simulation.partitions.partition_changes import (
     PartitionChanges,
     RestartPoint,
@@ -30,8 +37,6 @@ from vehicledyn.analyses.simulation.partitions.singularity_crossing import Sampl
 from vehicledyn.analyses.simulation.partitions.singularity_monitor import (
     WIDE_ZONE,
     ZONE,
-    Crossing,
-    Degrading,
     PivotLog,
 )
 from vehicledyn.analyses.simulation.partitions.singularity_passing import SingularityPassing
@@ -82,12 +87,15 @@ class PartitionedRun:
             self.known,
             self._parts,
         )
-        self._passing = SingularityPassing(self._changes)
+        self._dead_points = DeadPoints(self._changes)
+        self._passing = SingularityPassing(self._changes, self._dead_points)
         is_adaptive = getattr(self.plan.solver, "relative_tolerance", None) is not None
         self._log = self._changes.log = PivotLog(
             self._changes.pivots,
             self._forward,
             self._changes.better_at_look,
+            self._changes.pivot_rates,
+            self._dead_points.motion_between,
             zone=WIDE_ZONE if is_adaptive else ZONE,
             leverage=self._changes.leverage,
         )
@@ -101,7 +109,7 @@ class PartitionedRun:
     @property
     def has_passed(self) -> bool:
         """Whether a singular configuration has been passed, by steps of another kind."""
-        return self._passing.passed > 0
+        return self._passing.passed > 0 or self._dead_points.replaced > 0
 
     def go(self, state: Vector, unknowns: Vector) -> Statistics:
         """Run to the end; whatever stops it, the samples found are handed on.
@@ -139,7 +147,9 @@ class PartitionedRun:
                     raise
                 if self._ends_with_multipliers(degrading):
                     return
-                place = self._changes.change_for(degrading)
+                place = self._dead_points.change_for(degrading)
+            except Misled as misled:
+                place = self._dead_points.put_right(misled)
             except DivergenceError:
                 raise
             except NumericalError as error:
@@ -163,16 +173,31 @@ class PartitionedRun:
 
     def _piece(self, place: RestartPoint, last: int | None) -> Statistics:
         plan = self.plan
-        return plan.integrate(
-            self._changes.kernel,
-            Point(plan.time(place.look), place.state, place.unknowns),
-            plan.time(plan.n_looks if last is None else min(plan.n_looks, last)),
-            sink=self._log.take,
-            parts=self._parts,
-            progress=lambda what, part: plan.report(what, part, self._log.latest_time),
-            # Behind a change or a passage nothing is noted: a continued run comes to it again.
-            course=self.course if place.look == 0 and last is None else None,
-        )
+        try:
+            return replace(plan, happened=self._note_event).integrate(
+                self._changes.kernel,
+                Point(plan.time(place.look), place.state, place.unknowns),
+                plan.time(plan.n_looks if last is None else min(plan.n_looks, last)),
+                sink=self._log.take,
+                parts=self._parts,
+                progress=lambda what, part: plan.report(what, part, self._log.latest_time),
+                # Behind a change or a passage nothing is noted: a continued run comes to it again.
+                course=self.course if place.look == 0 and last is None else None,
+                each_step=self._at_step,
+            )
+        except Weakened as weakened:
+            raise self._log.met(weakened.blocks, weakened.time) from None
+
+    def _note_event(self, name: str, time: float) -> None:
+        """Report an event, and remember when it has happened."""
+        self._changes.event_times.append(time)
+        self.plan.happened(name, time)
+
+    def _at_step(self, time: float, state: Vector, unknowns: Vector, size: float) -> None:
+        """Look at the end of a step of a method that chooses its size."""
+        if self._log.wants_step(size):
+            outputs = self._changes.kernel.outputs(time, state, unknowns)
+            self._log.at_step(Sample(time, state, unknowns, outputs))
 
     def _pass(self, crossing: Crossing) -> RestartPoint:
         """Pass a singular configuration; in a motion full of them the next piece is short."""
@@ -249,11 +274,29 @@ class PartitionedRun:
         changes.kernel = kernel.with_parameters(changes.kernel.parameters)
         self.plan.happened("constraint_method.changed", sample.time)
         _log.info("t = %.6g s: constraints are treated with multipliers from now on", sample.time)
-        plan = replace(
-            self.plan, start=sample.time, stop=self.plan.end, every=1, sink=self._hand_on
-        )
+        begin = self._at_look(Point(sample.time, state, guess))
+        plan = replace(self.plan, start=begin.time, stop=self.plan.end, every=1, sink=self._hand_on)
         run = ProjectedRun(changes.kernel, projected_plan(plan), lambda: changes.watch)
-        self._parts.append(run.go(state, guess, skip=True))
+        self._parts.append(run.go(begin.state, begin.unknowns, skip=True))
+
+    def _at_look(self, begin: Point) -> Point:
+        """Run with multipliers from a place between two looks to the second, and hand it on."""
+        plan, kernel = self.plan, self._changes.kernel
+        if plan.is_look(begin.time):
+            return begin
+        stop = plan.time(plan.index(begin.time))
+        rows: list[list[Vector]] = []
+        plan.follow(
+            kernel,
+            begin,
+            stop,
+            count=1,
+            parts=self._parts,
+            sink=lambda *parts: rows.append([part[-1:] for part in parts]),
+        )
+        _, states, unknowns, outputs = rows[-1]
+        self._hand_on(kernel, np.array([stop]), states, unknowns, outputs)
+        return Point(stop, states[0], unknowns[0])
 
     def _forward(self, samples: list[Sample]) -> None:
         """Hand samples on, which are given in order."""

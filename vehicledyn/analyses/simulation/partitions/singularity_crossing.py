@@ -30,8 +30,11 @@ from vehicledyn.kernel.kernel import Kernel
 Vector = NDArray[np.float64]
 
 TOLERANCE, FINE_TOLERANCE = 1e-11, 1e-12
-"""Relative and absolute error of the states in a step of the passage [1]; ten times as much
-after every few steps that are refused, as rounding sets a limit."""
+"""Relative and absolute error of the states in a step of the passage [1]."""
+_COARSEST = 1e-9
+"""The same that is allowed in the end: ten times as much after every few steps that are refused, as
+rounding sets a limit. What needs more is no passage: at a dead point of the partition rounding is
+all that is left of the step."""
 _GAP = 0.47
 """Middle of the widest gap between the stages of the pair of order 8, as a part of its step."""
 _MOST_TRIES, _PATIENCE = 60, 6
@@ -39,7 +42,11 @@ _STRIDES = 90
 """Steps at most in which a passage looks for a singular configuration that is not yet ahead."""
 _NEARER = 0.5
 """Part of the first determinant below which a block has come near to being singular."""
+_TOO_NEAR = 1e-3
+"""The same part below which rounding decides where steps lead."""
 _APPROACHES = 5
+_PART = 0.25
+"""Longest part of an interval in which determinants are not looked at."""
 _MOST_STEPS = 20_000
 """Steps at most from one place of a passage to the next; one of a sampling interval needs some."""
 _PROBE = 1e-7
@@ -108,10 +115,14 @@ class Passage:
             if wait <= 0.0 or (not met and wait > until - self.time):
                 self.advance(self.time + (0.2 * (until - self.time) if met else stride))
                 continue
-            self._tolerance = self._aim * 10.0 ** (refused // _PATIENCE)
-            refused += 1
-            if self._jump(wait / _GAP):
-                return self.time
+            if (np.abs(here) < _TOO_NEAR * np.abs(first)).any():
+                break
+            tolerance = self._aim * 10.0 ** (refused // _PATIENCE)
+            if tolerance < 1.5 * _COARSEST:
+                self._tolerance = tolerance
+                refused += 1
+                if self._jump(wait / _GAP):
+                    return self.time
             self.advance(self.time + min(0.15 * wait, max(0.2 * (until - self.time), 0.0)))
         raise NumericalError("the singular configuration is not passed")
 
@@ -123,6 +134,21 @@ class Passage:
                 return
             self.advance(self.time + 0.5 * wait)
             yield self.sample(self.time)
+
+    def keeps_off(self, blocks: Sequence[int], least: Vector, stop: float) -> bool:
+        """Integrate to a time; return whether some determinants stay above least sizes up to there.
+
+        It ends where one does not.
+        """
+        first, part = np.sign(self._weak(blocks)), _PART * (stop - self.time)
+        while self.time < stop:
+            wait = self._time_to(blocks)
+            size = min(part, 0.5 * wait) if wait > 0.0 else part
+            is_last = stop - self.time < (1.0 + _PROBE) * size
+            self.advance(stop if is_last else self.time + size)
+            if (self._weak(blocks) * first < least).any():
+                return False
+        return True
 
     def advance(self, stop: float) -> None:
         """Integrate to a time [s] with steps of any size."""

@@ -8,6 +8,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.analyses.simulation.partitions.expected_pivots import (
+    HARMLESS,
+    LastLook,
+    are_harmless,
+    unlikely,
+)
+from vehicledyn.analyses.simulation.partitions.interruptions import (
+    Crossing,
+    Degrading,
+    Misled,
+    Weakened,
+)
 from vehicledyn.analyses.simulation.partitions.singularity_crossing import Sample
 from vehicledyn.kernel.engine import WEAK_PIVOT
 
@@ -28,61 +40,13 @@ _NEAR = 0.01
 LEVERAGE, FINE_LEVERAGE = 10.0, 3.0
 """Largest dependent rate of a unit independent rate that a partition is kept with; the second with
 steps of a fixed size, whose errors grow with a power of it, at regular constraints."""
-_HARMLESS = 0.5
-"""Product of all such parts below which the leverage is looked at: swapping two coordinates
-multiplies the determinant by an entry of the leverage."""
+_SHORTER = 0.7
+"""Part of the longest step since the last that was looked at below which one is looked at."""
 _AGAIN = 0.8
 _AHEAD = 1024
 """Samples whose pivots are looked at together."""
 _MOST_HELD = 512
 """Samples that stay held back in a motion that is nearly singular for long."""
-
-
-class Crossing(Exception):  # noqa: N818
-    """A loop has become singular between two samples.
-
-    ``begin`` is the last sample well before it, ``until`` a time behind it [s]. ``before`` is the
-    last sample before it, and ``seen`` the time of the first behind [s].
-    """
-
-    def __init__(
-        self,
-        begin: Sample,
-        blocks: Sequence[int],
-        until: float,
-        before: Sample | None = None,
-        seen: float = 0.0,
-    ) -> None:
-        super().__init__()
-        self.begin, self.blocks, self.until = begin, tuple(blocks), until
-        self.before, self.seen = before, seen
-
-
-class Degrading(Exception):  # noqa: N818
-    """Other dependent coordinates would be clearly better at a sample.
-
-    They may be so from ``before`` on, the sample before it, which is the last handed on then.
-    """
-
-    def __init__(
-        self, sample: Sample, comparison: Comparison, before: Sample | None = None
-    ) -> None:
-        super().__init__()
-        self.sample, self.comparison, self.before = sample, comparison, before
-
-
-def are_harmless(values: Matrix, before: Vector, scale: Vector) -> Any:
-    """Return at which samples no pivot is weak or changes its sign.
-
-    ``values`` (n_samples, n_pivots) follow those ``before`` them, and the largest so far in
-    ``scale``.
-    """
-    sizes = np.abs(values)
-    largest = np.maximum(np.maximum.accumulate(sizes, axis=0), scale)
-    earlier = np.vstack([before, values[:-1]])
-    parts = sizes / np.where(largest > 0.0, largest, 1.0)
-    harmless = (parts >= WEAK_PIVOT).all(axis=1) & (values * earlier > 0.0).all(axis=1)
-    return harmless & (parts.prod(axis=1) >= _HARMLESS)
 
 
 class PivotLog:
@@ -93,6 +57,8 @@ class PivotLog:
         pivots: Callable[[Sequence[Sample]], Matrix],
         forward: Callable[[list[Sample]], None],
         better: Callable[[Sample, float], Comparison | None],
+        rates: Callable[[Sample], Vector],
+        motion: Callable[[Sample, Sample, Sequence[int], Vector], Sample | None],
         *,
         zone: float = ZONE,
         leverage: float = LEVERAGE,
@@ -109,19 +75,25 @@ class PivotLog:
         better
             Gives the comparison with a better partition at a sample, if the leverage of the
             present one is above a limit and there is one.
+        rates
+            Gives the rates of the pivots at a sample [1/s].
+        motion
+            Gives where the motion leads from a sample to the time of another; that one itself where
+            it is right, None where some pivots fall below least sizes on the way.
         zone
             Part of the largest determinant below which samples are held back.
         leverage
             Leverage that a partition is kept with.
         """
         self._pivots, self._hand_on, self._better = pivots, forward, better
+        self._rates, self._motion = rates, motion
         self._zone, self._leverage = zone, leverage
         self._anchor: Sample | None = None
         self._held: list[Sample] = []
         self._sound = 0
         self._is_due = False
-        self._scale = np.zeros(0)
-        self._before: Vector | None = None
+        self._last: LastLook | None = None
+        self._longest = 0.0
         self._skip = False
         self._tried = np.inf
 
@@ -153,7 +125,7 @@ class PivotLog:
 
         Raises
         ------
-        Crossing, Degrading
+        Crossing, Degrading, Misled
             If something must be done before the run can go on; the samples up to there are
             handed on, later ones are forgotten.
         """
@@ -164,49 +136,97 @@ class PivotLog:
         if self._skip and rows:
             rows, self._skip = rows[1:], False
         values = self._pivots(rows) if rows else np.zeros((0, 0))
-        k = 0
+        k, times = 0, times[len(times) - len(rows) :]
         try:
             while k < len(rows):
-                count = self._count_harmless(values[k : k + _AHEAD])
-                if count:
-                    self._accept(rows[k : k + count], values[k : k + count])
+                part = slice(k, k + _AHEAD)
+                count = self._count_harmless(times[part], values[part])
+                if count and self._last is not None:
+                    part = slice(k, k + count)
+                    self._accept(rows[part])
+                    self._last = self._last.then(times[part], values[part])
                 else:
                     self._look(rows[k], values[k])
                 k += max(1, count)
         finally:
             self._release_due()
 
-    def _count_harmless(self, values: Matrix) -> int:
+    def wants_step(self, size: float) -> bool:
+        """Return whether to look at the end of a step of some size [s] that the method has chosen.
+
+        Such steps become shorter and shorter towards a dead point, where rounding makes them lead
+        anywhere at last. So those are looked at that are shorter than others before.
+        """
+        self._longest = max(self._longest, size)
+        if size > _SHORTER * self._longest:
+            return False
+        self._longest = size
+        return True
+
+    def at_step(self, sample: Sample) -> None:
+        """Look at the end of a step.
+
+        Raises
+        ------
+        Weakened
+            If a pivot has changed its sign there, or is too near to zero to be trusted.
+        """
+        if self._last is None:
+            return
+        values = self._pivots([sample])[0]
+        near = np.abs(values) < _NEAR * self._last.scale
+        found = np.flatnonzero((values * self._last.pivots < 0.0) | near).tolist()
+        if found:
+            raise Weakened(found, sample.time)
+
+    def _count_harmless(self, times: Vector, values: Matrix) -> int:
         """Return how many samples pass before one whose pivots are weak or change sign."""
-        if self._before is None:
+        if self._last is None:
             return 0
-        harmless = are_harmless(values, self._before, self._scale)
+        harmless = are_harmless(times, values, self._last)
         return len(values) if harmless.all() else int(np.argmin(harmless))
 
-    def _accept(self, rows: list[Sample], values: Matrix) -> None:
+    def _doubtful(self, sample: Sample, values: Vector, last: LastLook) -> list[int]:
+        """Return the pivots that may have been zero since the last sample and were not seen so."""
+        before = self.latest
+        found = unlikely(
+            sample.time, values, last, lambda: (self._rates(before), self._rates(sample))
+        )
+        if not found:
+            return []
+        largest = np.maximum(last.scale, np.abs(values))
+        right = self._motion(before, sample, found, _NEAR * largest[found])
+        if right is None:
+            return found
+        if right is not sample:
+            self.release()
+            raise Misled(before, right)
+        return []
+
+    def _accept(self, rows: list[Sample]) -> None:
         """Hand on samples whose pivots are far from zero, with all that came before."""
         self._held += rows
-        self._before = values[-1]
-        self._scale = np.maximum(self._scale, np.abs(values).max(axis=0))
         self._tried = np.inf
         self._is_due = True
 
     def _look(self, sample: Sample, values: Vector) -> None:
         """Look at one sample, and hold it back where a loop is nearly singular."""
-        before = values if self._before is None else self._before
-        scale = self._scale if self._scale.size else np.abs(values)
-        near = np.abs(values) < _NEAR * scale
-        crossed = np.flatnonzero((values * before < 0.0) | near)
-        if crossed.size:
+        last = self._last or self._looked_at(sample, values)
+        near = np.abs(values) < _NEAR * last.scale
+        crossed = np.flatnonzero((values * last.pivots < 0.0) | near).tolist()
+        if not crossed and self._last is not None:
+            crossed = self._doubtful(sample, values, last)
+        if crossed:
             self._release_due()
-            self._cross(crossed, sample.time)
-        self._scale = np.maximum(scale, np.abs(values))
-        parts = np.abs(values) / self._scale
+            raise self.met(crossed, sample.time)
+        if self._last is not None:
+            last = last.then(np.array([sample.time]), values[None])
+        self._last = last
+        parts = np.abs(values) / last.scale
         share = float(np.min(parts, initial=1.0))
         if share < self._zone:
             self._release_due()
         self._held.append(sample)
-        self._before = values
         self._try_others(sample, float(parts.prod()))
         if share >= ZONE:
             self._sound = len(self._held)
@@ -216,10 +236,10 @@ class PivotLog:
             self._release_first(_MOST_HELD)
 
     def _try_others(self, sample: Sample, share: float) -> None:
-        if share >= _HARMLESS:
+        if share >= HARMLESS:
             self._tried = np.inf
         # A partition that gets weaker and weaker is looked at again at a part of the determinant.
-        if share < min(_HARMLESS, _AGAIN * self._tried):
+        if share < min(HARMLESS, _AGAIN * self._tried):
             comparison = self._better(sample, self._leverage)
             if comparison is not None:
                 before = self._without_latest()
@@ -234,20 +254,20 @@ class PivotLog:
         self.release()
         return self._anchor if self._anchor is not latest else None
 
-    def _cross(self, blocks: Iterable[Any], until: float) -> None:
-        """Raise what follows from a pivot that has changed its sign before a time."""
+    def met(self, blocks: Sequence[int], until: float) -> Crossing | Degrading:
+        """Return what follows from pivots that have come to zero before a time."""
         crossing = self._crossing(blocks, until)
         comparison = self._better(crossing.begin, 0.0)
         if comparison is not None:
-            raise Degrading(crossing.begin, comparison)
+            return Degrading(crossing.begin, comparison)
         # Nearer to it another partition may be clearly better.
         if self._sound:
             sample = self._held[self._sound - 1]
             comparison = self._better(sample, 0.0)
             if comparison is not None:
                 self._release_first(self._sound)
-                raise Degrading(sample, comparison)
-        raise crossing
+                return Degrading(sample, comparison)
+        return crossing
 
     def _crossing(self, blocks: Iterable[Any], until: float) -> Crossing:
         begin = self._anchor or self._held[0]
@@ -256,9 +276,9 @@ class PivotLog:
 
     def approaching(self, ahead: float) -> Crossing | None:
         """Return the crossing ahead if the last sample has a loop that is nearly singular."""
-        if self._before is None or not self._before.size or self._anchor is None:
+        if self._last is None or not self._last.pivots.size or self._anchor is None:
             return None
-        share = np.abs(self._before) / self._scale
+        share = np.abs(self._last.pivots) / self._last.scale
         near = np.flatnonzero(share < WEAK_PIVOT)
         return self._crossing(near, self.latest.time + ahead) if near.size else None
 
@@ -295,7 +315,8 @@ class PivotLog:
         """Forget what came behind a sample; hand on those that replace it."""
         self._held = samples
         self.release()
-        self._before = self._pivots(samples[-1:])[0]
+        now = self._looked_at(samples[-1], self._pivots(samples[-1:])[0])
+        self._last = now if self._last is None else now._replace(scale=self._last.scale)
 
     def accept(self, sample: Sample) -> None:
         """Hand on a sample that has been taken back, unless all up to it have been handed on."""
@@ -307,5 +328,8 @@ class PivotLog:
         """Go on with another partition from a sample that has been handed on."""
         self._anchor, self._held, self._sound, self._tried = sample, [], 0, np.inf
         self._is_due = False
-        self._before = self._pivots([sample])[0]
-        self._scale = np.abs(self._before)
+        self._last = self._looked_at(sample, self._pivots([sample])[0])
+
+    def _looked_at(self, sample: Sample, values: Vector) -> LastLook:
+        """Return the look at a sample, of which nothing was known before."""
+        return LastLook(sample.time, values, self._rates(sample), np.abs(values))

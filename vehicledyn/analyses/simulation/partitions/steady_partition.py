@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.analyses.simulation.partitions.expected_pivots import LastLook, are_harmless
 from vehicledyn.analyses.simulation.partitions.repartitioning import steps_per_look
-from vehicledyn.analyses.simulation.partitions.singularity_monitor import are_harmless
 from vehicledyn.analyses.simulation.run_plan import looks_per_interval
 from vehicledyn.kernel.kernel import Kernel
 from vehicledyn.kernel.tangent_code import Grid
@@ -28,7 +28,7 @@ class SteadyPartition:
     def __init__(self, kernel: Kernel) -> None:
         """Look at the loops of a kernel."""
         self._kernel = kernel
-        self._before, self._scale = np.zeros(0), np.zeros(0)
+        self._last: LastLook | None = None
 
     @staticmethod
     def sees(kernel: Kernel, grid: Grid) -> bool:
@@ -47,9 +47,13 @@ class SteadyPartition:
             If one asks for a closer look.
         """
         values = self._kernel.pivots(times, states, unknowns)
-        if not self._before.size:
-            self._before, self._scale = values[0], np.abs(values[0])
-        if not are_harmless(values, self._before, self._scale).all():
+        if self._last is None:
+            first = (values[1] - values[0]) / (times[1] - times[0]) if len(times) > 1 else 0.0
+            rates = np.zeros_like(values[0]) + first
+            self._last = LastLook(float(times[0]), values[0], rates, np.abs(values[0]))
+            times, values = times[1:], values[1:]
+        if not len(times):
+            return
+        if not are_harmless(times, values, self._last).all():
             raise Unsteady
-        self._before = values[-1]
-        self._scale = np.maximum(self._scale, np.abs(values).max(axis=0))
+        self._last = self._last.then(times, values)
