@@ -10,7 +10,7 @@ import pytest
 
 import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.analyses import run_scenario
-from vehicledyn.analyses.simulation import simulation
+from vehicledyn.analyses.simulation import restart, simulation
 from vehicledyn.base.errors import InputError
 from vehicledyn.files.scenario import load_scenario
 from vehicledyn.results.store import writer
@@ -90,6 +90,21 @@ def assert_same(first, second, tolerance=0.0):
         if not tolerance:
             assert np.array_equal(one.states.values, two.states.values, equal_nan=True)
             assert one.summary == two.summary
+
+
+def test_a_run_goes_on_without_the_times_of_its_beginning_in_memory(tmp_path, monkeypatch):
+    run(tmp_path, PLAIN, "first.h5", "duration=1 s")
+    opened = []
+
+    def noted(path, most=None):
+        opened.append(open_result(path, most))
+        return opened[-1]
+
+    monkeypatch.setattr(restart, "open_result", noted)
+    outcome = run(tmp_path, PLAIN, "second.h5", restart="first.h5")
+    assert outcome.status == "ok"
+    (known,) = opened
+    assert known.samples == 201 and len(known.time) == 2
 
 
 @pytest.mark.parametrize("text", [PLAIN, LOOPED, BOUNCING, STIFF])

@@ -18,7 +18,7 @@ output: {interval: 1 ms}
 PROGRAM = """
 import resource, sys
 from vehicledyn.cli import main
-sys.argv = ["vehicledyn", "run", "long.yaml", "--no-plots", "-q", "--set", sys.argv[1]]
+sys.argv = ["vehicledyn", "run", "long.yaml", "--no-plots", "-q", *sys.argv[1:]]
 try:
     main()
 except SystemExit as end:
@@ -26,10 +26,10 @@ except SystemExit as end:
 """
 
 
-def most_memory(folder, seconds):
+def most_memory(folder, seconds, *options):
     """Return the most memory of a process of its own that runs so long [bytes]."""
     done = subprocess.run(
-        [sys.executable, "-c", PROGRAM, f"duration={seconds} s"],
+        [sys.executable, "-c", PROGRAM, "--set", f"duration={seconds} s", *options],
         cwd=folder, capture_output=True, text=True, check=True,
     )  # fmt: skip
     code, memory = map(int, done.stdout.split())
@@ -43,5 +43,8 @@ def test_memory_does_not_grow_with_the_samples(tmp_path):
     (tmp_path / "long.yaml").write_text(SCENARIO, encoding="utf-8")
     most_memory(tmp_path, 1)  # builds the kernel
     short, long = (most_memory(tmp_path, seconds) for seconds in (130, 1130))
+    continued = most_memory(tmp_path, 1131, "--restart", "long.h5", "-o", "longer.h5")
     samples = 1_000_000
-    assert long - short < 4 * samples  # half of one column of the further samples
+    # Half of one column of the further samples.
+    assert long - short < 4 * samples
+    assert continued - short < 4 * samples

@@ -144,6 +144,22 @@ def test_a_table_of_unlike_arrays_is_refused(results):
         results["study"].to_dataframe("case.end_time", "body.height")
 
 
+def test_times_are_not_read_before_they_are_asked_for(results, monkeypatch):
+    """Those of a long run took 8 B a sample after its end, whatever was asked for."""
+    asked = []
+
+    def noted(path, most=None):
+        asked.append(most)
+        return open_result(path, most)
+
+    monkeypatch.setattr(reader, "open_result", noted)
+    data = vd.open_result(results["run"].path)
+    assert len(data.summary) > 3 and data.events == () and data.notes == results["run"].notes
+    assert asked and set(asked) == {reader.ENDS}
+    assert len(data.time) > reader.ENDS
+    assert asked[-1] is None
+
+
 def test_a_table_opens_the_file_once(results, monkeypatch):
     data = vd.open_result(results["run"].path)
     opened = []
