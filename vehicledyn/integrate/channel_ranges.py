@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,9 @@ its own: what hardly varies, such as an energy that is conserved, is judged by i
 
 _NOISE, _NOISE_OF_FORCES = 1e-6, 1e-3
 """Smallest range that counts, in SI units: what symmetry makes zero is rounding."""
+
+_MANY = 4
+"""Samples per channel above which they are put one channel after the other to be reduced."""
 
 _TRAVELLED = ("m", "rad")
 """Units of what may add up without end, as distances and turns do; they are no measure of noise."""
@@ -72,6 +75,10 @@ class Ranges:
             {unit: number for number, unit in enumerate(known)},
         )
 
+    def copied(self) -> Ranges:
+        """Return the same ranges, which stay as they are when these go on."""
+        return replace(self, likes=self.likes.copy())
+
     def kinds(self, equations: Equations) -> NDArray[np.intp]:
         """Return the number of each channel's unit, shape (n_channels,), -1 for one not judged."""
         return np.array(
@@ -97,6 +104,8 @@ class Ranges:
         """Go on by samples, shape (n_samples, n_channels); what is no number does not count."""
         if not len(values):
             return
+        if len(values) > _MANY * values.shape[1]:
+            values = np.asfortranarray(values)
         with np.errstate(all="ignore"):
             self.low = np.fmin(self.low, np.fmin.reduce(values, axis=0))
             self.high = np.fmax(self.high, np.fmax.reduce(values, axis=0))

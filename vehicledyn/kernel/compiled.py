@@ -11,7 +11,7 @@ import numpy as np
 
 from vehicledyn.codegen.ir.table_rows import TableRows
 from vehicledyn.codegen.passes.kernel_functions import COUNTED
-from vehicledyn.kernel.engine import Ledger, March, Rows, Span, Status, Vector
+from vehicledyn.kernel.engine import Addresses, Ledger, March, Rows, Span, Status, Vector
 from vehicledyn.symbolic.equations import Equations
 
 _D, _I, _L, _P = ctypes.c_double, ctypes.c_int, ctypes.c_longlong, ctypes.c_void_p
@@ -111,10 +111,10 @@ class CompiledEngine:
 
     def advance(self, march: March, n_steps: int, constants: Vector, rows: Rows) -> Status:
         """Take steps and write a row for each whole interval."""
-        arrays = [constants, march.state, march.unknowns, march.memory]
-        pointers = [array.ctypes.data for array in arrays] + [march.sides.ctypes.data]
-        pointers += [array.ctypes.data for array in (rows.states, rows.unknowns, rows.outputs)]
-        pointers += [march.ledger.counts.ctypes.data, march.ledger.figures.ctypes.data]
+        moving = (march.state, march.unknowns, march.memory, march.sides)
+        ledger = (march.ledger.counts, march.ledger.figures)
+        arrays = (constants, *moving, rows.states, rows.unknowns, rows.outputs, *ledger)
+        march.addresses = Addresses.of(arrays, march.addresses)
         return Status(
             self._library.vd_advance(
                 int(march.method),
@@ -123,7 +123,7 @@ class CompiledEngine:
                 march.per_interval,
                 march.start,
                 march.interval,
-                *pointers,
+                *march.addresses.numbers,
             )
         )
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from enum import IntEnum
-from typing import Protocol, TypeAlias
+from operator import is_
+from typing import Any, NamedTuple, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,6 +74,20 @@ class Ledger:
     figures: Vector = field(default_factory=lambda: np.zeros(len(Figure)))
 
 
+class Addresses(NamedTuple):
+    """Arrays that an engine was given, and where they lie in memory."""
+
+    arrays: tuple[NDArray[Any], ...]
+    numbers: list[int]
+
+    @classmethod
+    def of(cls, arrays: tuple[NDArray[Any], ...], known: Addresses | None) -> Addresses:
+        """Return the addresses of arrays, the known ones if these are the same arrays."""
+        if known is not None and all(map(is_, arrays, known.arrays)):
+            return known
+        return cls(arrays, [array.ctypes.data for array in arrays])
+
+
 @dataclass
 class March:
     """A run with fixed steps, changed in place as it advances.
@@ -83,7 +98,8 @@ class March:
     number ``step``, at ``start + interval * step / per_interval``; ``memory`` holds what the
     guesses of the unknowns extrapolate from, so that a run cut into chunks gives the same
     numbers as a run in one piece. ``sides`` (n_events,) are the signs of the functions of the
-    events there, see :class:`vehicledyn.integrate.events.EventWatch`.
+    events there, see :class:`vehicledyn.integrate.events.EventWatch`. ``addresses`` are those of
+    the last call of an engine, as asking for them takes as long as some steps.
     """
 
     method: int
@@ -96,6 +112,7 @@ class March:
     memory: Vector = field(default_factory=lambda: np.zeros(0))
     ledger: Ledger = field(default_factory=Ledger)
     sides: Sides = field(default_factory=lambda: np.zeros(0, dtype=np.intc))
+    addresses: Addresses | None = field(init=False, default=None, repr=False)
 
     def __post_init__(self) -> None:
         """Own the arrays that change."""

@@ -16,7 +16,7 @@ from vehicledyn.integrate.accuracy.proposed_step import (
     proposed_step,
 )
 from vehicledyn.integrate.accuracy.watch import AccuracyWatch
-from vehicledyn.integrate.accuracy.windows import window_places
+from vehicledyn.integrate.accuracy.windows import WindowEnds, window_places
 from vehicledyn.integrate.batch import Cases, make_batch, run_batch
 from vehicledyn.integrate.estimated_accuracy import Accuracy, worst_of
 from vehicledyn.integrate.judged_quantities import Judged
@@ -135,6 +135,21 @@ def test_a_start_that_leaves_nothing_is_looked_at_no_further():
     statistics = watched(equations, solver, stop=20.0, interval=0.05)[0]
     assert statistics.accuracy.verdict == "accurate"
     assert statistics.accuracy.extra_steps < 0.25 * statistics.steps
+
+
+@pytest.mark.parametrize(("stuck", "looks_again"), [({64}, False), ({64, 80}, True)])
+def test_a_window_that_gets_stuck_is_replaced_by_one_half_way(stuck, looks_again, monkeypatch):
+    """One in a singular configuration that the run passes in another way; they are 32 apart."""
+    end = WindowEnds.end
+
+    def taken(self, place, divided):
+        found = end(self, place, divided)
+        return np.full_like(found, np.inf) if place.index in stuck else found
+
+    monkeypatch.setattr(WindowEnds, "end", taken)
+    accuracy = watched(swinging(), RungeKutta4(step=0.002), stop=20.0, interval=0.1)[0].accuracy
+    assert accuracy.verdict == "accurate"
+    assert (accuracy.extra_steps > 1000) == looks_again
 
 
 def test_steps_that_follow_a_tolerance_are_not_judged():
@@ -321,9 +336,11 @@ def test_places_do_not_depend_on_chunks():
             times = 0.1 * np.arange(begin, begin + size)
             watch.take(kernel, times, part[:, :2], part[:, :0], part[:, 2:])
             begin += size
-        found.append(([p.index for p in watch.places], [p.index for p in watch.latest]))
+        kept = watch.places, watch.latest, watch.spares
+        found.append([[place.index for place in places] for places in kept])
     assert found[0] == found[1] == found[2]
-    assert found[0][0] == window_places(100, 16)[:-1]
+    assert found[0][0] == window_places(100, 8)[:-1] == list(range(0, 101, 16))
+    assert found[0][2] == list(range(8, 101, 16))
 
 
 def test_eigenvalues_and_proposed_step():

@@ -13,10 +13,11 @@ from vehicledyn.base.errors import NumericalError
 from vehicledyn.integrate.accuracy.proposed_step import proposed_step
 from vehicledyn.integrate.accuracy.windows import (
     Grid,
+    WindowEnds,
     WindowStart,
+    is_stuck,
     two_ends_apart,
     window_count,
-    window_end,
 )
 from vehicledyn.integrate.channel_ranges import Ranges
 from vehicledyn.integrate.course import Course
@@ -63,7 +64,7 @@ class WatchedRun:
     """Collects what is needed to judge a run with a fixed step.
 
     ``equations`` are those whose channels the run delivers; the kernel may change on the way.
-    ``rerun`` takes a part of the run again.
+    ``rerun`` takes a part of the run again. ``spares`` lie half way between the ``places``.
     """
 
     equations: Equations
@@ -72,15 +73,17 @@ class WatchedRun:
     rerun: Rerun
     taken: int = 0
     places: list[WindowStart] = field(default_factory=list)
+    spares: list[WindowStart] = field(default_factory=list)
     latest: list[WindowStart] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         """Begin with nothing known."""
         channels = self.judged.channels
-        self.ranges, self.early = (Ranges.of(self.equations, channels) for _ in range(2))
+        self.ranges = self.early = Ranges.of(self.equations, channels)
         self.names = [self.equations.channels[k].name for k in channels]
         self._count = self._spacing = 1
         self._view: _View | None = None
+        self._ends: WindowEnds | None = None
         self._divergence = ""
         self.kept = self.judged.kept(self.grid.n_intervals)
 
@@ -119,17 +122,26 @@ class WatchedRun:
             copies = states[row].copy(), unknowns[row].copy()
             return WindowStart(first + row, float(times[row]), *copies, kernel)
 
-        for index in range(-(-first // self._spacing) * self._spacing, self.taken, self._spacing):
-            if index % self._spacing == 0:
-                self._keep(place(index - first))
+        spacing = self._spread_out()
+        span = first, self.taken
+        self.places += [place(k - first) for k in _numbers(*span, spacing)]
+        if spacing > 1:
+            self.spares += [place(k - first) for k in _numbers(*span, spacing, spacing // 2)]
         self.latest = [*self.latest, *map(place, range(max(0, sound - _LATEST), sound))][-_LATEST:]
         if self.kept is None:
             values = outputs[:sound, self.judged.channels]
         else:
             values = self.kept.take(times[:sound], outputs[:sound])
-        self.early.take(values[: max(0, self.grid.n_intervals // 2 + 1 - first)])
-        self.ranges.take(values)
+        self._measure(first, values)
         return sound
+
+    def _measure(self, first: int, values: Vector) -> None:
+        """Go on by judged channels, the first ones those of a sample by number."""
+        of_early = max(0, self.grid.n_intervals // 2 + 1 - first)
+        self.ranges.take(values[:of_early])
+        if of_early:
+            self.early = self.ranges.copied()
+        self.ranges.take(values[of_early:])
 
     def _seen_as(self, kernel: Kernel, state: Vector) -> _View:
         """Return what of a kernel concerns the watch; ``state`` is its first one."""
@@ -149,11 +161,15 @@ class WatchedRun:
         self._view = _View(kernel, columns, self.ranges.kinds(e), limits)
         return self._view
 
-    def _keep(self, place: WindowStart) -> None:
-        """Keep a place; where there are too many, only every second one."""
-        self.places.append(place)
-        while len(self.places) > self._count:
-            self.places, self._spacing = self.places[::2], 2 * self._spacing
+    def _spread_out(self) -> int:
+        """Return the samples between two places, of which every second one becomes a spare first.
+
+        It doubles until all samples so far hold no more places than the run can afford.
+        """
+        while (self.taken - 1) // self._spacing + 1 > self._count:
+            self.places, self.spares = self.places[::2], self.places[1::2]
+            self._spacing *= 2
+        return self._spacing
 
     def hint(self) -> str:
         """Return a few words on the step for a run that failed; empty where it is short enough.
@@ -184,13 +200,28 @@ class WatchedRun:
         )
 
     def window(self, place: WindowStart) -> Vector | None:
-        """Return how far half the step leads from the step in the judged channels."""
+        """Return how far half the step leads from the step in the judged channels.
+
+        Where the kernel by itself gets stuck, as in a singular configuration that the run passes in
+        another way, the window half way to the next one stands for it.
+        """
+        one, other = self._two_ends(place)
+        if is_stuck(one) or is_stuck(other):
+            spare = next((spare for spare in self.spares if spare.index > place.index), None)
+            if spare is not None:
+                place = spare
+                one, other = self._two_ends(place)
         _, columns, kinds, _ = self._seen_as(place.kernel, place.state)
-        one, other = (window_end(self.grid, place, divided) for divided in (1, 2))
         if one is not None:
             self.ranges.take_likes(kinds, one)
         apart = two_ends_apart(one, other)
         return None if apart is None else np.where(columns >= 0, apart[columns], 0.0)
+
+    def _two_ends(self, place: WindowStart) -> tuple[Vector | None, Vector | None]:
+        """Return the ends of a window with the step and with half of it."""
+        if self._ends is None or self._ends.kernel is not place.kernel:
+            self._ends = WindowEnds(self.grid, place.kernel)
+        return self._ends.end(place, 1), self._ends.end(place, 2)
 
     def stable_step(self) -> float | None:
         """Return the step that suits the motion at the start [s], None where it is not known."""
@@ -200,3 +231,8 @@ class WatchedRun:
             return proposed_step(self.kernel, self.grid.method, point, self.grid.interval)
         except (NumericalError, np.linalg.LinAlgError):
             return None
+
+
+def _numbers(first: int, stop: int, spacing: int, beyond: int = 0) -> range:
+    """Return the numbers in a span that lie so far ``beyond`` multiples of ``spacing``."""
+    return range(first + (beyond - first) % spacing, stop, spacing)

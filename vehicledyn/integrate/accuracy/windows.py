@@ -23,7 +23,7 @@ _CHEAP = 2.5e9
 """Operations of a whole run that are always worth their price when it is judged."""
 
 _SHARE, _LEAST_WINDOWS, _MOST_WINDOWS = 0.01, 2, 16
-_OVERHEAD, _FREE = 6e5, 1.05e7
+_OVERHEAD, _FREE = 6e5, 6e6
 """Operations that calling a window costs, and that a run by itself may always spend on them."""
 
 
@@ -114,50 +114,68 @@ def two_ends_apart(one: Vector | None, other: Vector | None) -> Vector | None:
         nowhere: Vector = np.full(0 if known is None else len(known), np.inf)
         return nowhere
     with np.errstate(all="ignore"):
-        distance = np.abs(one - other)
+        distance: Vector = np.abs(one - other)
+    if np.isfinite(distance).all():
+        return distance
     same = np.isnan(one) & np.isnan(other)
     apart: Vector = np.where(same, 0.0, np.where(np.isnan(distance), np.inf, distance))
     return apart
 
 
-def window_end(grid: Grid, place: WindowStart, divided: int) -> Vector | None:
-    """Return the channels at the end of a window whose steps are parts of the run's.
+def is_stuck(end: Vector | None) -> bool:
+    """Return whether a window did not get to its end."""
+    return end is not None and bool(np.isinf(end).all())
+
+
+class WindowEnds:
+    """Takes windows of a run with one kernel, in memory that serves for all of them.
 
     Parameters
     ----------
     grid
         The run.
-    place
-        Where the window begins.
-    divided
-        Parts of a step of the run, 1 for the step itself.
-
-    Returns
-    -------
-    Vector or None
-        Shape (n_channels,), infinite where the end is not reached; None where an event interrupts.
+    kernel
+        That of the places where windows begin.
     """
-    if grid.solver is not None:
-        return _solved_end(grid, place, divided)
-    e = place.kernel.equations
-    count = STEPS * divided
-    march = March(
-        grid.method,
-        place.time,
-        STEPS * grid.step,
-        count,
-        place.state,
-        place.unknowns,
-        sides=np.zeros(len(e.events), dtype=np.intc),
-    )
-    rows = Rows(*[np.zeros((2, len(items))) for items in (e.states, e.unknowns, e.channels)])
-    status = place.kernel.advance(march, count, rows)
-    if status is Status.EVENT:
-        return None
-    if status is not Status.SOLVED or not march.ledger.counts[Count.SAMPLES]:
-        rows.outputs[0] = np.inf
-    found: Vector = rows.outputs[0]
-    return found
+
+    def __init__(self, grid: Grid, kernel: Kernel) -> None:
+        self._grid, self.kernel = grid, kernel
+        e = kernel.equations
+        state, unknowns = np.zeros(len(e.states)), np.zeros(len(e.unknowns))
+        sides = np.zeros(len(e.events), dtype=np.intc)
+        span = STEPS * grid.step
+        self._march = March(grid.method, 0.0, span, STEPS, state, unknowns, sides=sides)
+        self._rows = Rows(*[np.zeros((2, len(part))) for part in (state, unknowns, e.channels)])
+
+    def end(self, place: WindowStart, divided: int) -> Vector | None:
+        """Return the channels at the end of a window whose steps are parts of the run's.
+
+        Parameters
+        ----------
+        place
+            Where the window begins.
+        divided
+            Parts of a step of the run, 1 for the step itself.
+
+        Returns
+        -------
+        Vector or None
+            Shape (n_channels,), infinite where the end is not reached; None where an event
+            interrupts.
+        """
+        if self._grid.solver is not None:
+            return _solved_end(self._grid, place, divided)
+        march = self._march
+        march.start, march.step, march.per_interval = place.time, 0, STEPS * divided
+        march.state[:], march.unknowns[:] = place.state, place.unknowns
+        march.memory[:], march.sides[:] = 0.0, 0
+        status = self.kernel.advance(march, march.per_interval, self._rows)
+        if status is Status.EVENT:
+            return None
+        if status is not Status.SOLVED or not march.ledger.counts[Count.SAMPLES]:
+            return np.full(self._rows.outputs.shape[1], np.inf)
+        found: Vector = self._rows.outputs[0].copy()
+        return found
 
 
 def _solved_end(grid: Grid, place: WindowStart, divided: int) -> Vector | None:
