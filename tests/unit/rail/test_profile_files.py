@@ -335,6 +335,14 @@ def test_unsorted_points(tmp_path):
     assert line == 302
 
 
+def test_unsorted_points_among_noise(tmp_path):
+    """The longest step back is named, not one that noise makes."""
+    pairs = points()
+    pairs[300], pairs[301] = pairs[301], pairs[300]
+    pairs[261] = (pairs[260][0] - 0.01, pairs[261][1])
+    assert refused(tmp_path, lines(pairs), "unsorted: y goes back") == 302
+
+
 def test_loop(tmp_path):
     pairs = points()
     y, z = pairs[300]

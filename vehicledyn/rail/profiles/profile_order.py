@@ -148,9 +148,10 @@ def _check_order(points: RawPoints, y: Floats, z: Floats, lines: Lines, noise: f
         )
         raise points.refused(int(lines[crossing[1]]), 1, message)
     first, last = _ends(y)
-    back = np.flatnonzero(np.diff(y[first : last + 1]) <= 0.0)
-    if first > last or len(back):
-        k = first + int(back[0]) + 1 if len(back) else first
+    steps = np.diff(y[first : last + 1])
+    if first > last or (steps <= 0.0).any():
+        # Small steps back may be noise: the longest is the one to look at.
+        k = first + int(np.argmin(steps)) + 1 if len(steps) else first
         message = (
             f"unsorted: y goes back from {y[k - 1] / points.unit:g} to {y[k] / points.unit:g}; "
             "give the points in their order along the profile"
