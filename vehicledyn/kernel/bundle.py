@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -14,7 +14,7 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.codegen.passes.linear_program import Program
 from vehicledyn.codegen.passes.stage_program import NO_STEPS, Solution
 from vehicledyn.kernel.engine import Sides, Status, Vector
-from vehicledyn.kernel.plans import Passes, SlopeMap, aligned, passes
+from vehicledyn.kernel.plans import Passes, SlopeMap, aligned
 from vehicledyn.kernel.tangent_code import Grid, Moment, TangentCode, Way, steps_of
 
 Array = NDArray[np.float64]
@@ -76,8 +76,7 @@ class Bundle:
         self._x = aligned((n_x, groups, lanes))
         self._at = aligned((2, groups, lanes))
         most = max(len(p.targets) for p in (code.stage.program, code.seen))
-        n_before = 1 + n_x + len(code.equations.unknowns)
-        self._seeds = np.vstack([np.zeros((n_before, self.n_directions)), constants])
+        self._constants = constants
         self._room = aligned((1 + 2 * n_x + most, groups, lanes))
         self._numbers = code.numbers()
 
@@ -92,7 +91,11 @@ class Bundle:
 
     def _map(self, program: Program, known: Passes, solution: Solution) -> _Map:
         lanes, n_targets = self._code.lanes, len(program.targets)
-        moved = passes(self._code.call, program, self._seeds)
+        active = np.flatnonzero(self._constants.any(axis=0))
+        moved = self._code.passes_by(program, self._constants[:, active])
+        entries = moved.entries.copy()
+        entries[:, 1] = active[entries[:, 1]]
+        moved = replace(moved, entries=entries)
         slopes = SlopeMap.of(n_targets, known, moved, lanes, solution)
         added = aligned((lanes, n_targets, self._groups, lanes))
         arrays = (self._x, self._at[0], self._at[1], self._room, added)

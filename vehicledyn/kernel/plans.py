@@ -134,11 +134,10 @@ def passes(call: Call, program: Program, seeds: NDArray[np.float64]) -> Passes:
         own[:, : len(group)] = seeds[:, group]
         bits = (own != 0.0) @ (1 << np.arange(width))
         made = plan(call, program, bits.astype(np.uint8))
-        for k, direction in enumerate(group):
-            targets = np.flatnonzero((made.number >= 0) & (made.directions >> k & 1 > 0))
-            directions = np.full(len(targets), direction)
-            places = first + width * made.number[targets] + k
-            entries.append(np.stack([targets, directions, places], axis=1))
+        reached = made.directions[:, None] >> np.arange(len(group), dtype=np.uint8) & 1
+        targets, which = np.nonzero(reached.astype(bool) & (made.number >= 0)[:, None])
+        places = first + width * made.number[targets] + which
+        entries.append(np.stack([targets, group[which], places], axis=1))
         plans.append(made)
         own_seeds.append(own)
         first += width * made.n_results

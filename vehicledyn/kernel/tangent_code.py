@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vehicledyn.base.errors import MissingPartError, NumericalError
 from vehicledyn.codegen.ir.table_rows import TableRows
@@ -35,6 +36,8 @@ from vehicledyn.kernel.plans import Passes, aligned, passes
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Equations
 from vehicledyn.symbolic.shared import inlined
+
+Array = NDArray[np.float64]
 
 _D, _I, _L, _P = ctypes.c_double, ctypes.c_int, ctypes.c_longlong, ctypes.c_void_p
 _SIGNATURES: dict[str, tuple[Any, Sequence[Any]]] = {
@@ -106,6 +109,7 @@ class TangentCode:
         self._tables = TableRows(equations.tables)
         self._functions = functions
         self._known: tuple[Vector, Any] | None = None
+        self._passes: dict[int, tuple[Array, Passes]] = {}
 
     def _observed(self, functions: Any) -> list[Any]:
         rows = list(self.channels)
@@ -199,6 +203,20 @@ class TangentCode:
         """Passes by time, states and unknowns to unknowns and what is seen."""
         one = np.eye(1 + len(self.equations.states) + len(self.equations.unknowns))
         return passes(self.call, self.seen, one)
+
+    def passes_by(self, program: Program, constants: Array) -> Passes:
+        """Return passes of a program for directions of the constants (n_constants, n_directions).
+
+        The last ones are kept: a motion and its start ask for the same.
+        """
+        known = self._passes.get(id(program))
+        if known is not None and np.array_equal(known[0], constants):
+            return known[1]
+        n_before = 1 + len(self.equations.states) + len(self.equations.unknowns)
+        seeds = np.vstack([np.zeros((n_before, constants.shape[1])), constants])
+        found = passes(self.call, program, seeds)
+        self._passes[id(program)] = constants.copy(), found
+        return found
 
     def numbers(self) -> Numbers:
         """Return room for what is computed at points."""

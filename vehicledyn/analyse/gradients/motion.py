@@ -36,8 +36,8 @@ _GRAZING = 1e-6
 """Rate of an event function at its zero, as a part of its mean rate in the step before it."""
 _AT_STEP = 1e-6
 """Part of a step that a change of the dependent coordinates may lie beside it."""
-_AT_ONCE = 64
-"""Intervals that are followed at once where nothing happens in them."""
+_AT_ONCE, _MOST_NUMBERS = 512, 4_000_000
+"""Intervals that are followed at once where nothing happens in them, and tangents of these."""
 _SHORTEST, _REACH = 1e-9, 1.25
 """Parts of a step behind an event of a method of order one, as in a run without derivatives."""
 
@@ -102,8 +102,8 @@ def follow(
     run.watched = watched
     run.expect(later)
     run.sample()
-    for number in range(0, n_intervals, _AT_ONCE):
-        done = min(number + _AT_ONCE, n_intervals)
+    for number in range(0, n_intervals, run.at_once):
+        done = min(number + run.at_once, n_intervals)
         run.intervals(done - number)
         if run.watch.ended_by:
             break
@@ -111,9 +111,7 @@ def follow(
             progress(done / n_intervals)
     record = run.record
     return MotionSlopes(
-        np.array(record.times),
-        np.array(record.values),
-        np.array(record.slopes),
+        *map(np.concatenate, (record.times, record.values, record.slopes)),
         run.march.state.copy(),
         run.bundle.state[:, : run.n],
         run.events,
@@ -141,6 +139,8 @@ class _Run:
         self.events: list[EventSlope] = []
         self.watched: Watched | None = None
         self.record = Recorder(n_channels, self.n)
+        numbers = max(1, by_state.size)
+        self.at_once = max(1, min(_AT_ONCE, _MOST_NUMBERS // numbers))
         self._names: list[str] = []
         self._later: list[tuple[int, Piece]] = []
         extra = int(bool(piece.kernel.equations.events))
@@ -219,11 +219,11 @@ class _Run:
         point = Point(self.time, self.march.state, self.march.unknowns)
         if self.watched is not None:
             self.watched(np.array([point.time]), point.state[None], point.unknowns[None])
-        self.record.take(point.time, *self._values(point, moved))
+        self._record(point, moved)
 
-    def _values(self, point: Point, moved: Vector | None) -> tuple[Vector, Matrix]:
+    def _record(self, point: Point, moved: Vector | None) -> None:
         found = self._found(point, moved)
-        return found.values[0], found.value_slopes[0]
+        self.record.take(np.array([point.time]), found.values, found.value_slopes)
 
     def _found(self, point: Point, moved: Vector | None) -> Found:
         return self.bundle.here(Moment(*point, self.constants), moved)
@@ -245,8 +245,7 @@ class _Run:
             if self.watched is not None and len(samples.times):
                 self.watched(*samples[:3])
             found = self.bundle.found(samples, self.constants)
-            for item in zip(samples.times, found.values, found.value_slopes, strict=True):
-                self.record.take(*item)
+            self.record.take(samples.times, found.values, found.value_slopes)
             due -= taken
             if status is Status.EVENT:
                 self._step_with_events()
@@ -268,7 +267,7 @@ class _Run:
     def _rows(self) -> Rows:
         e = self.kernel.equations
         sizes = len(e.states), len(e.unknowns), len(e.channels)
-        return Rows(*[np.empty((_AT_ONCE + 1, size)) for size in sizes])
+        return Rows(*[np.empty((self.at_once + 1, size)) for size in sizes])
 
     def _step_with_events(self) -> None:
         """Take the step that is due in parts, as a run without derivatives does."""
@@ -298,8 +297,7 @@ class _Run:
 
     def _end(self, point: Point, moved: Vector) -> None:
         """Record the sample where a terminal event ends the motion."""
-        values, slopes = self._values(point, moved)
-        self.record.take(point.time, values, slopes)
+        self._record(point, moved)
 
     def _trials(self, begin: float) -> Callable[[float], Point]:
         def trial(end: float) -> Point:

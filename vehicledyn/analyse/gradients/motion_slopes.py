@@ -46,12 +46,12 @@ class Recorder:
 
     n_channels: int
     n_directions: int
-    times: list[float] = field(default_factory=list)
-    values: list[Vector] = field(default_factory=list)
-    slopes: list[Matrix] = field(default_factory=list)
+    times: list[Vector] = field(default_factory=list)
+    values: list[Matrix] = field(default_factory=list)
+    slopes: list[NDArray[np.float64]] = field(default_factory=list)
 
-    def take(self, time: float, values: Vector, slopes: Matrix) -> None:
-        """Keep a sample."""
-        self.times.append(time)
-        self.values.append(values[: self.n_channels])
-        self.slopes.append(slopes[: self.n_channels, : self.n_directions])
+    def take(self, times: Vector, values: Matrix, slopes: NDArray[np.float64]) -> None:
+        """Keep samples: times (n,), values (n, ...) and slopes (n, ..., ...)."""
+        self.times.append(times)
+        self.values.append(values[:, : self.n_channels])
+        self.slopes.append(slopes[:, : self.n_channels, : self.n_directions])
