@@ -24,7 +24,7 @@ _P = ctypes.c_void_p
 
 class _Directions(ctypes.Structure):
     _fields_ = [
-        *[(name, ctypes.c_longlong) for name in ("n", "halved")],
+        *[(name, ctypes.c_longlong) for name in ("n", "n_live", "halved")],
         *[(name, _P) for name in ("x", "from_", "to", "room", "moved")],
     ]
 
@@ -67,11 +67,14 @@ class Bundle:
         The compiled code.
     constants
         Tangents of the constants, shape (n_constants, n_directions).
+    n_idle
+        Number of the last directions whose tangents are zero in whole steps.
     """
 
-    def __init__(self, code: TangentCode, constants: Array) -> None:
+    def __init__(self, code: TangentCode, constants: Array, *, n_idle: int = 0) -> None:
         n_x, lanes = len(code.equations.states), code.lanes
         self._code, self.n_directions = code, constants.shape[1]
+        self._n_live = self.n_directions - n_idle
         groups = self._groups = max(1, -(-self.n_directions // lanes))
         self._x = aligned((n_x, groups, lanes))
         self._at = aligned((2, groups, lanes))
@@ -98,10 +101,20 @@ class Bundle:
         moved = replace(moved, entries=entries)
         slopes = SlopeMap.of(n_targets, known, moved, lanes, solution)
         added = aligned((lanes, n_targets, self._groups, lanes))
+        return _Map(slopes, self._directions(added, self.n_directions), added)
+
+    @cached_property
+    def _live(self) -> _Directions:
+        """The directions that whole steps carry."""
+        return self._directions(self._to_rates.added, self._n_live)
+
+    def _directions(self, added: Array, n_live: int) -> _Directions:
+        lanes = self._code.lanes
         arrays = (self._x, self._at[0], self._at[1], self._room, added)
         addresses = [item.ctypes.data for item in arrays]
-        halved = 2 * (self._groups * lanes - self.n_directions) >= lanes
-        return _Map(slopes, _Directions(self._groups, halved, *addresses), added)
+        groups = max(1, -(-n_live // lanes))
+        halved = 2 * (groups * lanes - n_live) >= lanes
+        return _Directions(self._groups, groups, halved, *addresses)
 
     @property
     def state(self) -> Array:
@@ -120,7 +133,7 @@ class Bundle:
         ``times`` are the tangents of its begin and end [s].
         """
         self._enter_times(times)
-        status = self._steps(grid, way, moment, None)[0]
+        status = self._steps(grid, way, moment, None, self._to_rates.directions)[0]
         self._code.check(status, moment.time)
 
     def march(
@@ -134,7 +147,8 @@ class Bundle:
         """
         zero = np.zeros(self.n_directions)
         self._enter_times((zero, zero))
-        status, taken, samples = self._steps(grid, way, moment, sides)
+        self._room.fill(0.0)
+        status, taken, samples = self._steps(grid, way, moment, sides, self._live)
         return Status(status), taken, samples
 
     def _enter_times(self, times: tuple[Vector, Vector]) -> None:
@@ -142,7 +156,12 @@ class Bundle:
             room.reshape(-1)[: self.n_directions] = values
 
     def _steps(
-        self, grid: Grid, way: Way, moment: Moment, sides: Sides | None
+        self,
+        grid: Grid,
+        way: Way,
+        moment: Moment,
+        sides: Sides | None,
+        directions: _Directions,
     ) -> tuple[int, int, Samples]:
         per, (n_x, n_z) = grid.per_interval, (len(moment.state), len(moment.unknowns))
         most = (way.first + way.n_steps) // per - way.first // per
@@ -158,7 +177,7 @@ class Bundle:
             moment.unknowns,
             sides,
             self._to_rates.slopes.slopes,
-            self._to_rates.directions,
+            directions,
             states,
             unknowns,
             tangents,

@@ -157,7 +157,7 @@ class _Run:
         self.constants = self.code.constants(self.kernel.parameters)
         moved = np.asarray(self.code.constant_slopes(self.kernel.parameters) @ self._by_parameter)
         extra = len(self._extra) - self.n
-        self.bundle = Bundle(self.code, np.pad(moved, ((0, 0), (0, extra))))
+        self.bundle = Bundle(self.code, np.pad(moved, ((0, 0), (0, extra))), n_idle=extra)
         self.bundle.state = tangents
         state, guess = start
         time = grid.start + grid.interval * step / grid.per_interval
@@ -331,7 +331,7 @@ class _Run:
         ahead = self._extra.copy()
         ahead[-1] = 1.0
         self._part((begin, end), (moved, ahead))
-        _, slopes = self._values(before, ahead)
+        slopes = self._found(before, ahead).value_slopes[0]
         n_channels = len(self.code.channels)
         by_event = slopes[n_channels + places[0]]
         rate = by_event[-1]

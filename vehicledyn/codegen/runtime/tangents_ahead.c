@@ -2,12 +2,12 @@
    that they approximate. The Jacobians of several stages are found side by side, then the tangents
    go from stage to stage, VD_LANES directions side by side. */
 
-/* The directions of a run: n groups of VD_LANES each, the last one half empty if halved. x (NX, n)
-   are those of the states, from and to (n) those of the begin and the end of a part of a step; room
-   is for stages, moved for what constants that move add at each point (VD_LANES, results, n), zero
-   where they add nothing. */
+/* The directions of a run: n groups of VD_LANES each, of which the first n_live are carried, of the
+   last of these one half if halved; the others are zero. x (NX, n) are those of the states, from and
+   to (n) those of the begin and the end of a part of a step; room is for stages, moved for what
+   constants that move add at each point (VD_LANES, results, n), zero where they add nothing. */
 struct directions {
-  long long n, halved;
+  long long n, n_live, halved;
   real *x, *from, *to, *room, *moved;
 };
 
@@ -95,8 +95,8 @@ static void combine(const struct slopes *s, const real *w, int lane, const struc
   const long long n = d->n;
   const real *moved = d->moved + lane * s->n_targets * n;
   long long k = 0;
-  for (; n - k > 3; k += 3) combine_three(s, w, lane, n, moved + k, d->room + k);
-  (d->halved ? halved : whole)[n - k - 1](s, w, lane, n, moved + k, d->room + k);
+  for (; d->n_live - k > 3; k += 3) combine_three(s, w, lane, n, moved + k, d->room + k);
+  (d->halved ? halved : whole)[d->n_live - k - 1](s, w, lane, n, moved + k, d->room + k);
 }
 
 /* Tangents of the time at a place in the step. */
