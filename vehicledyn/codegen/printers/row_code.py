@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 from vehicledyn.codegen.passes.linear_program import Program
 
-_PIECE = 200
+_PIECE = 100
 """Products a C function holds at most: what is kept between them stays near by."""
 
 

@@ -11,13 +11,19 @@ struct directions {
   real *x, *from, *to, *room, *moved;
 };
 
-static void spread_moved(const struct slopes *s, long long n, int count, real *moved) {
+#define VD_SPREAD(k) own[k * point] = from[k];
+
+static void spread_moved(const struct slopes *s, long long n, real *moved) {
   double *to = (double *)moved;
   const long long point = s->n_targets * n * VD_LANES;
   for (long long k = 0; k < s->n_moved; k++) {
     const double *from = (const double *)(s->results + s->moved_values[k]);
     double *own = to + s->moved_targets[k] * n * VD_LANES + s->moved_directions[k];
-    for (int lane = 0; lane < count; lane++) own[lane * point] = from[lane];
+#if VD_LANES == 8
+    VD_EIGHT(VD_SPREAD)
+#else
+    VD_FOUR(VD_SPREAD)
+#endif
   }
 }
 
@@ -219,7 +225,7 @@ VD_EXPORT int vd_tangent_steps(const struct steps *way, long long step, long lon
                                &trail.z[0][0] + at * NZ, &trail.a[0][0] + at * NA);
       if (failed) return failed;
       find_slopes(s, given->w);
-      spread_moved(s, d->n, some * stages, d->moved);
+      spread_moved(s, d->n, d->moved);
       for (int k = first; k < first + some; k++, step++) {
         const double *rates = &trail.k[0][0] + k * stages * NX;
         const int lane = (k - first) * stages;
@@ -255,7 +261,7 @@ VD_EXPORT int vd_tangent_points(long long count, const double *t, const double *
     vd_observe_apart(&given->points->t, given->points->x, given->points->z, given->lanes, observed,
                      given->w + NBEFORE);
     find_slopes(s, given->w);
-    spread_moved(s, n, some, d->moved);
+    spread_moved(s, n, d->moved);
     for (int lane = 0; lane < some; lane++) {
       const long long point = first + lane;
       memcpy(d->room, dt + point * n, n * sizeof(real));
