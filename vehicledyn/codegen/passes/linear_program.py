@@ -25,7 +25,7 @@ Index = NDArray[np.int32]
 INVERSE = -(2**30)
 """Place of the first weight that is found elsewhere; the others count down from it."""
 
-_SLACK = 0
+_SLACK = 2
 """Edges that a node may leave behind more than it takes along, see vertex_elimination."""
 
 
