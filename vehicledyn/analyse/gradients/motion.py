@@ -111,7 +111,9 @@ def follow(
             progress(done / n_intervals)
     record = run.record
     return MotionSlopes(
-        *map(np.concatenate, (record.times, record.values, record.slopes)),
+        np.concatenate(record.times),
+        np.concatenate(record.values),
+        np.concatenate(record.slopes),
         run.march.state.copy(),
         run.bundle.state[:, : run.n],
         run.events,
