@@ -487,6 +487,21 @@ def test_tables_whose_arrays_do_not_fit(name, place, values):
     refused(Case("table", {name: changed(name, change)}, ["report", name]), "is damaged (")
 
 
+@pytest.mark.parametrize(
+    "values", [np.float64(5.5), np.zeros(7), np.arange(4), np.array([b"a"] * 4), np.zeros((0, 3))]
+)
+def test_modes_of_which_only_some_numbers_are_read(values):
+    """The damping ratio follows from eigenvalues; who exports all numbers reads it as well."""
+
+    def change(file):
+        del file["case_1/damping_ratio"]
+        file["case_1"].create_dataset("damping_ratio", data=values)
+
+    command = ["export-data", "modes.h5", "-o", "out.csv"]
+    files = {"modes.h5": changed("modes.h5", change)}
+    refused(Case("modes", files, command), "is damaged (damping_ratio of shape")
+
+
 def test_a_scene_that_is_not_in_the_file():
     def change(file):
         del file["scene/outline"]

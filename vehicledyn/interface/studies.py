@@ -63,7 +63,7 @@ def sweep(
     resume
         Whether to continue the file ``save_to`` where it stopped.
     workers
-        Processes; one a core if None.
+        Processes, eight a core at most; one a core if None.
     lanes
         Cases side by side in each process: 1, 4 or 8; what suits if None.
     cluster

@@ -110,7 +110,10 @@ class Study(ParameterSet):
         default_factory=StudyOutput, description="What is kept of each case"
     )
     workers: int | None = Field(
-        default=None, description="Processes; one a core if left out", ge=1, le=4096
+        default=None,
+        description="Processes, eight a core at most; one a core if left out",
+        ge=1,
+        le=4096,
     )
     lanes: Literal[1, 4, 8] | None = Field(
         default=None, description="Cases side by side in one process; what suits if left out"

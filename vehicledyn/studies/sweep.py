@@ -54,6 +54,9 @@ _MOST_BYTES = 256_000_000
 LARGEST_CASE = 1_000_000_000
 """Samples of a case in memory at most: a worker holds them until its figures are found [B]."""
 
+MOST_A_CORE = 8
+"""Processes a core at most: thousands of them, asked for in a file, would fill the memory."""
+
 _SHARE = 8
 """Blocks that a worker gets at least, so that none waits long for the last."""
 
@@ -256,7 +259,7 @@ def _helpers(
         workers_there = stack.enter_context(open_cluster(work, cluster))
         workers_there.warm_up()
         return workers_there
-    count = min(workers or cores(), work.design.count)
+    count = min(workers or cores(), work.design.count, MOST_A_CORE * cores())
     if count == 1 or _must_stay(work, workers):
         return None
     progress("starting the processes", None)

@@ -45,7 +45,10 @@ def sweep(
     ] = None,
     overrides: Overrides = None,
     workers: Annotated[
-        int | None, typer.Option(min=1, max=4096, help="Processes; one a core if absent.")
+        int | None,
+        typer.Option(
+            min=1, max=4096, help="Processes, eight a core at most; one a core if absent."
+        ),
     ] = None,
     scheduler: Annotated[
         str | None,

@@ -232,7 +232,8 @@ def _stacked(found: Mapping[str, LabelledArray], path: Path) -> dict[str, Labell
     table = mode_table.read_modes(path)
     labels = np.array([case.label for case in table.cases], dtype=object)
     case = LabelledArray("case", labels, ("case",), "", "Case")
-    most = max(len(item.kind) for item in table.cases)
+    counts = [len(item.kind) for item in table.cases]
+    most = max(counts)
     mode = LabelledArray("mode", np.arange(1, most + 1), ("mode",), "", "Number of the mode")
     arrays = {name: array for name, array in found.items() if not _CASE.match(name)}
     speeds = np.array([item.speed for item in table.cases])
@@ -244,12 +245,33 @@ def _stacked(found: Mapping[str, LabelledArray], path: Path) -> dict[str, Labell
         known = next(part for part in parts if part is not None)
         if name == "mode":
             continue
-        values = _padded([None if part is None else part.values for part in parts], most)
+        values = [None if part is None else part.values for part in parts]
+        _refuse_others(path, name, values, counts)
+        padded = _padded(values, most)
         dims = ("case", "mode", *known.dims[1:])
         labels_of = {dim: coords.get(dim, known.coords.get(dim)) for dim in dims}
         kept = {dim: label for dim, label in labels_of.items() if label is not None}
-        arrays[name] = LabelledArray(name, values, dims, known.unit, known.description, kept)
+        arrays[name] = LabelledArray(name, padded, dims, known.unit, known.description, kept)
     return arrays
+
+
+def _refuse_others(path: Path, name: str, parts: Sequence[Any], counts: Sequence[int]) -> None:
+    """Raise an InputError unless each part has a row a mode and all are of one kind.
+
+    What is made from other numbers of the file is read by nobody who would see it.
+    """
+    known = next(part for part in parts if part is not None)
+    for part, count in zip(parts, counts, strict=True):
+        if part is None or (
+            part.shape == (count, *known.shape[1:])
+            and part.dtype.kind == known.dtype.kind
+            and part.dtype.kind in "fcO"
+        ):
+            continue
+        raise InputError(
+            f"{path}: is damaged ({name} of shape {part.shape} and type {part.dtype} for "
+            f"{count} modes); compute it again"
+        )
 
 
 def _padded(parts: Sequence[Any], most: int) -> Any:
