@@ -31,6 +31,18 @@ ORPHANED = 20  # s
 SLOW = 2.5  # how much slower a busy machine may be
 
 
+@dataclass(frozen=True)
+class Kill:
+    """When a process was killed [s] and what part of the time it had the processor for."""
+
+    at: float
+    share: float
+
+    def seconds_since(self, time):
+        """Return the processor time since a time [s]: others have the rest on a busy machine."""
+        return self.share * (self.at - time)
+
+
 SWING = STUDIES["optimise-manoeuvre"]
 for _old, _new in (
     ("scenarios/systems/double_pendulum.yaml", "short.yaml"),
@@ -50,7 +62,8 @@ class Victim:
     """A command, the file it writes, how it goes on with what a kill left, further files.
 
     ``codes`` are the exit codes of the whole: a search for a motion may end without an optimum.
-    ``close`` are the bounds of what a search may find that goes on from where it was.
+    ``close`` are the bounds of what a search may find that goes on from where it was;
+    ``by_others`` says that other processes compute for it.
     """
 
     name: str
@@ -60,6 +73,7 @@ class Victim:
     beside: tuple = ()
     codes: tuple = (0, 1)
     close: tuple = ()
+    by_others: bool = False
 
 
 VICTIMS = [
@@ -73,7 +87,7 @@ VICTIMS = [
     ),
     Victim(
         "sweep of two", ["sweep", "study.yaml", "--workers", "2", "-q", "-o", "s.h5"], "s.h5",
-        ["--resume"],
+        ["--resume"], by_others=True,
     ),
     Victim(
         "hunt",
@@ -179,24 +193,25 @@ class Campaign:
             self._measure(victim)
         while True:
             folder = self._copy()
-            process, at = self._killed(victim, folder, [])
-            if at:
+            process, kill = self._killed(victim, folder, [])
+            if kill:
                 break
             shutil.rmtree(folder, ignore_errors=True)
-        faults = [*_orphans(process), *self._faults(victim, folder, at)]
+        faults = [*_orphans(process), *self._faults(victim, folder, kill)]
         if go_on and not faults:
             faults += self._gone_on(victim, folder)
         shutil.rmtree(folder, ignore_errors=True)
         return faults
 
     def _killed(self, victim, folder, words):
-        """Start a command and kill it; return its process and when, None where it had ended."""
+        """Start a command and kill it; return its process and the kill, None where it had ended."""
         process = start(folder, [*victim.command, *words])
         time.sleep(self._random.uniform(0.0, self._seconds[victim.name]))
         at = time.time()
         is_hit = process.kill(with_children=self._random.random() < 0.5)
         self.kills += is_hit
-        return process, at if is_hit else None
+        share = 1.0 if victim.by_others else process.share
+        return process, Kill(at, share) if is_hit else None
 
     def _copy(self):
         folder = Path(tempfile.mkdtemp(dir=self._folder))
@@ -214,7 +229,7 @@ class Campaign:
             assert code in victim.codes, (victim.name, code)
         self._whole[victim.name] = folder / victim.output
 
-    def _faults(self, victim, folder, at):
+    def _faults(self, victim, folder, kill):
         path = folder / victim.output
         before = {p.name for p in self._folder.iterdir() if p.is_file()}
         others = {p.name for p in folder.iterdir() if not p.name.startswith(".")} - before
@@ -227,12 +242,12 @@ class Campaign:
             if file.is_file() and not file.name.startswith("."):
                 yield from self._cut_off(file, self._whole[victim.name].parent, folder)
         kept = [place for end in KEPT if (place := Path(f"{path}{end}")).exists()]
-        if kept and at:
-            lost = at - max(place.stat().st_mtime for place in kept)
+        if kept and kill:
+            lost = kill.seconds_since(max(place.stat().st_mtime for place in kept))
             if lost > SLOW * LOST:
                 yield f"the last {lost:.1f} s of what it goes on from are lost"
         if path.is_file() and path.suffix == ".h5":
-            yield from self._faults_of_result(victim, path, at)
+            yield from self._faults_of_result(victim, path, kill)
 
     def _cut_off(self, file, whole, folder):
         known = whole / file.relative_to(folder)
@@ -246,7 +261,7 @@ class Campaign:
         ):
             yield f"{file.name} is cut off"
 
-    def _faults_of_result(self, victim, path, at):
+    def _faults_of_result(self, victim, path, kill):
         from vehicledyn.base.errors import InputError
         from vehicledyn.results.store.reader import open_result
         from vehicledyn.results.store.study_reader import open_study
@@ -258,7 +273,7 @@ class Campaign:
             if victim.name == "run":
                 with open_result(path) as result, open_result(self._whole["run"]) as whole:
                     count = len(result.time)
-                    lost = at - path.stat().st_mtime if at else 0.0
+                    lost = kill.seconds_since(path.stat().st_mtime) if kill else 0.0
                     if not result.is_whole and count and lost > SLOW * LOST:
                         yield f"the last {lost:.1f} s are lost"
                     if result.is_whole and count != len(whole.time):

@@ -4,6 +4,7 @@ import contextlib
 import os
 import signal
 import sys
+import time
 
 from harness import call
 
@@ -14,6 +15,7 @@ class start:  # noqa: N801
     def __init__(self, folder, command, change=None):
         sys.stdout.flush()
         sys.stderr.flush()
+        self._begun, self.share = time.monotonic(), 1.0
         self.number = os.fork()
         if self.number == 0:
             code = 99
@@ -37,10 +39,16 @@ class start:  # noqa: N801
         return os.waitstatus_to_exitcode(status)
 
     def kill(self, with_children=True):
-        """Kill the process, and its children; return whether it had not ended before."""
+        """Kill the process, and its children; return whether it had not ended before.
+
+        ``share`` is the part of the time that it had the processor for.
+        """
         with contextlib.suppress(ProcessLookupError):
             (os.killpg if with_children else os.kill)(self.number, signal.SIGKILL)
-        return os.WIFSIGNALED(os.waitpid(self.number, 0)[1])
+        past = time.monotonic() - self._begun
+        _, status, usage = os.wait4(self.number, 0)
+        self.share = min(1.0, (usage.ru_utime + usage.ru_stime) / past)
+        return os.WIFSIGNALED(status)
 
     def kill_children(self):
         """Kill what it started and left."""
