@@ -63,7 +63,8 @@ class Victim:
 
     ``codes`` are the exit codes of the whole: a search for a motion may end without an optimum.
     ``close`` are the bounds of what a search may find that goes on from where it was;
-    ``by_others`` says that other processes compute for it.
+    ``by_others`` says that other processes compute for it; ``part`` is the longest part of its
+    work that it keeps as one [s].
     """
 
     name: str
@@ -74,6 +75,7 @@ class Victim:
     codes: tuple = (0, 1)
     close: tuple = ()
     by_others: bool = False
+    part: float = LOST
 
 
 VICTIMS = [
@@ -140,7 +142,7 @@ VICTIMS = [
     ),
     Victim(
         "handling", ["handling", "small_car", "-o", "y.h5", "--report", "y.html"], "y.h5",
-        ["--resume"], beside=("y.html",),
+        ["--resume"], beside=("y.html",), part=5.0,
     ),
     Victim(
         "export C", ["export", "double_pendulum.yaml", "--to", "c", "-o", "e.c"], "e.c",
@@ -244,7 +246,7 @@ class Campaign:
         kept = [place for end in KEPT if (place := Path(f"{path}{end}")).exists()]
         if kept and kill:
             lost = kill.seconds_since(max(place.stat().st_mtime for place in kept))
-            if lost > SLOW * LOST:
+            if lost > SLOW * victim.part:
                 yield f"the last {lost:.1f} s of what it goes on from are lost"
         if path.is_file() and path.suffix == ".h5":
             yield from self._faults_of_result(victim, path, kill)
