@@ -275,11 +275,14 @@ class PivotLog:
         return Crossing(begin, [int(k) for k in blocks], ahead, self.latest_or_none, until)
 
     def approaching(self, ahead: float) -> Crossing | None:
-        """Return the crossing ahead if the last sample has a loop that is nearly singular."""
-        if self._last is None or not self._last.pivots.size or self._anchor is None:
+        """Return the crossing ahead if a loop is nearly singular, or may be in a time [s]."""
+        last = self._last
+        if last is None or not last.pivots.size or self._anchor is None:
             return None
-        share = np.abs(self._last.pivots) / self._last.scale
-        near = np.flatnonzero(share < WEAK_PIVOT)
+        expected = (last.pivots + ahead * last.rates) * np.sign(last.pivots)
+        near = np.flatnonzero(
+            (np.abs(last.pivots) < WEAK_PIVOT * last.scale) | (expected < _NEAR * last.scale)
+        )
         return self._crossing(near, self.latest.time + ahead) if near.size else None
 
     def back_to_sound(self) -> Sample | None:
