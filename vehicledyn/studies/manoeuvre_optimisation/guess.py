@@ -1,4 +1,4 @@
-"""Where the search for an optimal manoeuvre begins: the start coasting on, or along the path."""
+"""Where the search for an optimal manoeuvre begins: coasting, along the path, or driven there."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from vehicledyn.analyse.optimal_control.path_curves import PathCurves
 from vehicledyn.analyse.optimal_control.problem import ControlProblem
 from vehicledyn.analyse.optimal_control.trajectory import DEGREE, Trajectory, radau_points
 from vehicledyn.base.errors import InputError
+from vehicledyn.studies.manoeuvre_optimisation.driven_guess import Driver, Vehicle
 from vehicledyn.studies.manoeuvre_optimisation.model import PreparedManoeuvre, duration_bounds
 
 Floats = NDArray[np.float64]
@@ -18,7 +19,8 @@ def first_guess(manoeuvre: PreparedManoeuvre) -> Trajectory:
     """Return the motion to begin with.
 
     States go in a straight line from start to end where both are given; else they coast. On a
-    path the places follow it at the speed of the start.
+    path a driver takes a vehicle along at the speed of the start; what has no heading, or is not
+    to be driven, has its places follow the path.
 
     Raises
     ------
@@ -44,7 +46,7 @@ def first_guess(manoeuvre: PreparedManoeuvre) -> Trajectory:
     low, high = (np.array([getattr(c, k) for c in problem.controls]) for k in ("low", "high"))
     values = np.tile(np.clip(0.0, low, high), (n + 1, 1))
     unknowns = np.tile(manoeuvre.point.unknowns, (n, DEGREE, 1))
-    return Trajectory(
+    along_path = Trajectory(
         duration,
         mesh,
         states[0],
@@ -57,6 +59,24 @@ def first_guess(manoeuvre: PreparedManoeuvre) -> Trajectory:
         np.zeros((n, n_u)),
         np.tile(np.clip(0.0, low, high), (n, DEGREE, 1)),
     )
+    return _driven(manoeuvre, along_path) or along_path
+
+
+def _driven(manoeuvre: PreparedManoeuvre, along_path: Trajectory) -> Trajectory | None:
+    """Return the motion of a vehicle with a driver, None where nothing is to be driven.
+
+    A closed path is driven twice, since the first round begins straight.
+    """
+    problem, prepared, study = manoeuvre.problem, manoeuvre.prepared, manoeuvre.study
+    index = {s.name: k for k, s in enumerate(prepared.equations.states)}
+    heading = index.get(f"{prepared.subject.ports.body}.yaw")
+    if problem.path is None or study.track is None or heading is None or manoeuvre.speed <= 0.0:
+        return None
+    pairs = dict(zip(prepared.equations.positions, prepared.equations.velocities, strict=True))
+    x, y = problem.path.place
+    vehicle = Vehicle((x, y), heading, (pairs[x], pairs[y]), manoeuvre.speed)
+    driver = Driver(problem, prepared.kernel, vehicle)
+    return driver.drive(along_path, laps=2 if study.track.closed and problem.growth else 1)
 
 
 def state_scales(guess: Trajectory) -> Floats:
