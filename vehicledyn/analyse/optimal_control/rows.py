@@ -21,10 +21,6 @@ OBJECTIVE = 0
 """The row of the objective."""
 
 
-_ROUNDS = 20
-"""Rounds of equilibration."""
-
-
 class PointGroup:
     """A function at points.
 
@@ -119,33 +115,6 @@ class Rows:
         bends = [self._second_order(group) for group in self.groups]
         parts = [np.concatenate(part) for part in zip(*bends, strict=True)]
         self.bends = _matrix((nothing, nothing, np.zeros(0)), parts, *2 * (self.scale.size,))
-
-    def equilibrate(self, variables: Floats) -> Floats:
-        """Divide rows and variables so that the largest derivatives of each are about one.
-
-        Takes variables that are divided by their scales and returns by what they have to be divided
-        further. Source: Ruiz (2001), RAL-TR-2001-034.
-        """
-        from scipy.sparse import csc_matrix
-
-        shape = self.count, self.scale.size
-        slopes = self.jacobian(variables), self.slopes.rows, self.slopes.starts
-        sizes = abs(csc_matrix(slopes, shape=shape))[OBJECTIVE + 1 :]
-        by_row, by_column = np.ones(shape[0] - 1), np.ones(shape[1])
-        for _ in range(_ROUNDS):
-            most = [np.sqrt(sizes.max(axis=k).toarray().ravel()) for k in (1, 0)]
-            row, column = (1.0 / np.where(m > 0.0, m, 1.0) for m in most)
-            sizes = sizes.multiply(row[:, None]).multiply(column[None]).tocsc()
-            by_row, by_column = by_row * row, by_column * column
-        factor = np.concatenate([[1.0], by_row])
-        self.scale *= by_column
-        self._linear = [(r, c, f * factor[r]) for r, c, f in self._linear]
-        for group in self.groups:
-            group.weight *= np.where(group.row >= 0, factor[group.row], 0.0)
-        low, high = self.bounds
-        self._low, self._high = [low * by_row], [high * by_row]
-        self.finish()
-        return by_column
 
     def _first_order(self, group: PointGroup) -> tuple[Indices, Indices, Floats]:
         outputs, variables = group.function.jacobian_entries

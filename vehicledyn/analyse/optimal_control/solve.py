@@ -80,7 +80,6 @@ def solve_on_mesh(
     import casadi
 
     program = Program(model, guess.mesh, scales)
-    program.rows.equilibrate(program.layout.of(guess))
     oracle = Oracle(program.rows)
     seen = _observer(program, watch)
     options: dict[str, Any] = {
@@ -97,9 +96,6 @@ def solve_on_mesh(
         "ipopt.linear_solver": "mumps",
         # smaller pivots miscount the signs of stiff models' eigenvalues, which stops the search
         "ipopt.mumps_pivtol": 1e-2,
-        # rows and variables are equilibrated already
-        "ipopt.mumps_scaling": 0,
-        "ipopt.mumps_permuting_scaling": 0,
         "error_on_fail": False,
         "grad_f": oracle.gradient,
         "jac_g": oracle.jacobian,

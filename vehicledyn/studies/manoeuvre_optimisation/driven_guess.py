@@ -229,7 +229,7 @@ class Driver:
             if item.order not in (BEND, RAMP):
                 controls[1, k] = 0.0
         self._kernel.set_parameters(self._problem.parameters_with(controls))
-        z, rates = z.copy(), []
+        z, rates = z.copy(), list[Floats]()
         for weight in (0.0, 0.5, 0.5, 1.0):
             at = x + weight * _STEP * rates[-1] if rates else x
             rates.append(self._kernel.evaluate(0.0, at, z, Ledger()))
