@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from vehicledyn.analyses.handling.circle import constant_radius, constant_speed
-from vehicledyn.analyses.handling.equal_curvature import gradients_on_circle
+from vehicledyn.analyses.handling.circle import SteadyCurve, constant_radius, constant_speed
+from vehicledyn.analyses.handling.equal_curvature import gradients_on_circle, place_on
 from vehicledyn.analyses.handling.steady_turn import SteadyTurn, Turn, solver_for
 from vehicledyn.analyses.handling.tested_car import CONTROL, TestedCar
 from vehicledyn.analyses.handling.turn_paths import followed, reached
@@ -92,6 +92,42 @@ def test_a_turn_is_reached_in_steps_as_fine_as_it_needs():
     assert reached(Near(), lateral, 7.0, 0.0, steps=3) == pytest.approx(np.arcsin(7.0 / LIMIT))
     with pytest.raises(NumericalError, match="none"):
         reached(Near(), lateral, 9.0, 0.0, steps=3)
+
+
+@pytest.mark.parametrize("near", [2.0, 4.0])
+def test_a_neutral_car_is_read_where_it_comes_back_to_the_circle(near):
+    """Its curvature with the wheel held grows and falls again, so it has two places."""
+    lateral = np.arange(0.0, 5.0, 0.3)
+    curvature = 0.01 - 1e-5 * (lateral - 2.0) * (lateral - 4.0)
+    values = {
+        "lateral_acceleration": lateral,
+        "curvature": curvature,
+        "understeer_angle": lateral**2,
+    }
+    curve = SteadyCurve("wheel held", values, [])
+    assert place_on(curve, "curvature", 0.01, near) == pytest.approx((near, near**2), abs=1e-9)
+    assert np.isnan(place_on(curve, "curvature", 0.02, near)).all()
+
+
+@pytest.mark.long
+def test_the_drive_helps_where_cornering_brakes_more_than_wanted():
+    """A balance that brakes gently goes over to the drive where the tyres slow the car themselves."""
+    test = DrivingTest(speed_control=CONTROL)
+    car = TestedCar(read_target("small_car"), backend="auto", progress=lambda *_: None, test=test)
+    solver = SteadyTurn(car)
+
+    def turn(value):
+        return Turn(25.0, "lateral_acceleration", value, -0.5)
+
+    start = solver.find(turn(0.0), solver.straight(25.0))
+    path = followed(solver, turn, (0.0, start), np.inf, step=0.5, smallest=0.03)
+    brake, drive = car.table_places("test.brake_torque")[0], car.state("drive.speed_error_integral")
+    braked = np.array([point.parameters[brake] for point in path.points])
+    driven = np.array([point.state[drive] for point in path.points])
+    assert path.is_limit
+    assert braked[0] > 0.0 == driven[0]
+    assert driven[-1] > 0.0 == braked[-1]
+    assert (braked * driven == 0.0).all()
 
 
 @pytest.fixture(scope="module")

@@ -19,7 +19,6 @@ Vector = NDArray[np.float64]
 
 _FIRST_STEP, _SMALLEST_STEP = 0.5, 0.03
 _SMALLEST_ALONG = 0.1
-_EVEN = 1e-9
 
 
 @dataclass(frozen=True)
@@ -47,17 +46,21 @@ def acceleration_limits(
     """
     pairs, lost = [], []
     for direction, words in ((-1.0, "braking"), (1.0, "driving")):
-        path = _straight(solver, speed, direction, step)
+        size, point = 0.0, solver.straight(speed)
+        while True:
+            along = direction * size
+            if along or direction > 0.0:
+                across = _across(solver, speed, along, (0.0, point))
+                pairs.append((along, max(across.values)))
+                if across.is_lost:
+                    told = _FURTHER % across.values[-1]
+                    lost.append(f"{words} at {size:g} m/s^2: {told} across the path")
+            path = _straight(solver, speed, direction, (size, point), step)
+            if path.is_limit or path.is_lost:
+                break
+            size, point = path.values[-1], path.points[-1]
         if path.is_lost:
             lost.append(f"{words}: {_FURTHER % path.values[-1]} along the path")
-        for size, point in zip(path.values, path.points, strict=True):
-            along = direction * size
-            if abs(size / step - round(size / step)) > _EVEN or (size == 0.0 and direction < 0.0):
-                continue
-            across = _across(solver, speed, along, (0.0, point))
-            pairs.append((along, max(across.values)))
-            if across.is_lost:
-                lost.append(f"{words} at {size:g} m/s^2: {_FURTHER % across.values[-1]} across it")
     pairs.sort()
     return AccelerationLimits(
         speed,
@@ -70,12 +73,14 @@ def acceleration_limits(
 _FURTHER = "no balance was found beyond %.3g m/s^2"
 
 
-def _straight(solver: SteadyTurn, speed: float, direction: float, step: float) -> TurnPath:
+def _straight(
+    solver: SteadyTurn, speed: float, direction: float, start: tuple[float, CarPoint], step: float
+) -> TurnPath:
     def turn(size: float) -> Turn:
         return Turn(speed, "lateral_acceleration", 0.0, direction * size)
 
-    begin = 0.0, solver.find(turn(0.0), solver.straight(speed))
-    return followed(solver, turn, begin, np.inf, step=step, smallest=_SMALLEST_ALONG)
+    last = start[0] + step
+    return followed(solver, turn, start, last, step=step, smallest=_SMALLEST_ALONG)
 
 
 def _across(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +13,6 @@ from vehicledyn.analyses.handling.slow_turn import effective_wheelbase
 from vehicledyn.analyses.handling.steady_turn import SteadyTurn, Turn
 from vehicledyn.analyses.handling.tested_car import CarPoint
 from vehicledyn.analyses.handling.turn_paths import followed
-from vehicledyn.base.errors import NumericalError
 
 Vector = NDArray[np.float64]
 
@@ -23,8 +23,11 @@ _LINE_POINTS = 41
 """Points of a curve that the line of a gradient fits."""
 
 _SMALLEST_STEP = 0.01
-_SLOWEST = 3.0
-"""Speed below which no point of a circle is looked for [m/s]."""
+_SLOWEST, _FASTEST = 3.0, 70.0
+"""Speeds between which points of a circle are looked for [m/s]."""
+
+_SQUARES, _LEAST_SQUARE = 15.0, 0.5
+"""Distance of squared speeds of turns with the wheel held, and the least one [m²/s²]."""
 
 QUANTITIES = {
     "lateral_acceleration": ("m/s^2", "Lateral acceleration: speed times yaw rate"),
@@ -105,17 +108,19 @@ def constant_steering(solver: SteadyTurn, angle: float, *, last: float = np.inf)
     Points are at speeds whose squares are equally spaced, as the lateral acceleration then about
     is; the curve ends where it exceeds ``last`` or no turn is found.
     """
-    found: list[CarPoint] = []
-    point = solver.straight(_SLOWEST)
-    steps = np.sqrt(np.arange(_SLOWEST**2, 70.0**2, 15.0))
-    for speed in steps:
-        try:
-            point = solver.find(Turn(float(speed), "steering", angle), point)
-        except NumericalError:
+
+    def turn(square: float) -> Turn:
+        return Turn(float(np.sqrt(square)), "steering", angle)
+
+    squares = np.arange(_SLOWEST**2, _FASTEST**2, _SQUARES)
+    found = [solver.find(turn(squares[0]), solver.straight(_SLOWEST))]
+    for before, after in pairwise(squares):
+        start = float(before), found[-1]
+        path = followed(solver, turn, start, after, step=_SQUARES, smallest=_LEAST_SQUARE)
+        if path.is_limit or path.is_lost:
             break
-        found.append(point)
-        lateral = abs(solver.car.outputs(point)["accelerometer.lateral"])
-        if lateral > last:
+        found.append(path.points[-1])
+        if abs(solver.car.outputs(found[-1])["accelerometer.lateral"]) > last:
             break
     return _curve(solver, "constant steering-wheel angle", found, float("nan"))
 

@@ -45,16 +45,40 @@ def gradients_on_circle(
     lateral = circle.values["lateral_acceleration"]
     angles = [float(np.interp(at, lateral, circle.values["steering_angle"])) for at in ends]
     speeds = [float(np.sqrt(at * radius)) for at in ends]
-    found = {"constant_radius": [_on_curve(circle, "lateral_acceleration", at) for at in ends]}
+    found = {"constant_radius": [place_on(circle, "lateral_acceleration", at, at) for at in ends]}
     found["constant_speed"] = [
-        _on_curve(constant_speed(solver, speed, last=at + _BEYOND), "curvature", 1.0 / radius)
+        place_on(constant_speed(solver, speed, last=at + _BEYOND), "curvature", 1.0 / radius, at)
         for speed, at in zip(speeds, ends, strict=True)
     ]
     found["constant_steering"] = [
-        _on_curve(constant_steering(solver, angle, last=at + _BEYOND), "curvature", 1.0 / radius)
+        place_on(constant_steering(solver, angle, last=at + _BEYOND), "curvature", 1.0 / radius, at)
         for angle, at in zip(angles, ends, strict=True)
     ]
     return {name: (b[1] - a[1]) / (b[0] - a[0]) for name, (a, b) in found.items()}
+
+
+def place_on(curve: SteadyCurve, name: str, value: float, near: float) -> tuple[float, float]:
+    """Return lateral acceleration and understeer angle where a quantity has a value.
+
+    Parabolas over lateral acceleration through three neighbours give all. Of several places, as
+    where a neutral car comes back to a circle, it is the one nearest to a lateral acceleration;
+    NaN where the curve does not reach the value.
+    """
+    lateral, angle = curve.values["lateral_acceleration"], curve.values["understeer_angle"]
+    gap, found = curve.values[name] - value, []
+    for k in range(len(gap) - 1):
+        if len(gap) < _POINTS or gap[k] * gap[k + 1] > 0.0:
+            continue
+        first = min(k, len(gap) - _POINTS)
+        around = slice(first, first + _POINTS)
+        base = lateral[k]
+        crossing = np.polyfit(lateral[around] - base, gap[around], _POINTS - 1)
+        bend = np.polyfit(lateral[around] - base, angle[around], _POINTS - 1)
+        ends = sorted((0.0, float(lateral[k + 1] - base)))
+        roots = [float(r.real) for r in np.roots(crossing) if abs(r.imag) < _EVEN]
+        inside = [r for r in roots if ends[0] - _EVEN <= r <= ends[1] + _EVEN]
+        found += [(float(base + r), float(np.polyval(bend, r))) for r in inside]
+    return min(found, key=lambda place: abs(place[0] - near), default=(np.nan, np.nan))
 
 
 def equal_curvature_figures(
@@ -78,20 +102,5 @@ def equal_curvature_figures(
     yield KeyFigure(NAME, "difference", apart, "1", words)
 
 
-def _on_curve(curve: SteadyCurve, name: str, value: float) -> tuple[float, float]:
-    """Return lateral acceleration and understeer angle where a quantity has a value.
-
-    A parabola through the three nearest turns gives both; NaN where the curve does not reach it.
-    """
-    along = curve.values[name]
-    if len(along) < _POINTS or not along.min() <= value <= along.max():
-        return float("nan"), float("nan")
-    near = np.argsort(np.abs(along - value))[:_POINTS]
-    lateral, angle = (
-        float(np.polyfit(along[near] - value, curve.values[of][near], _POINTS - 1)[-1])
-        for of in ("lateral_acceleration", "understeer_angle")
-    )
-    return lateral, angle
-
-
 _POINTS = 3
+_EVEN = 1e-9

@@ -230,19 +230,16 @@ class SteadyTurn:
         return None
 
     def orientation(self, turn: Turn, point: CarPoint) -> int:
-        """Return the sign of the Jacobian's determinant, which changes where a curve comes back.
-
-        It is that with the drive as an unknown, against which brakes act.
-        """
+        """Return the sign of the Jacobian's determinant, which changes where a curve comes back."""
         _, jacobian = _Search(self, turn, point).evaluate(self.unknowns(turn, point))
-        sign = int(np.linalg.slogdet(jacobian)[0])
-        return -sign if turn.acceleration < 0.0 else sign
+        return int(np.linalg.slogdet(jacobian)[0])
 
     def unknowns(self, turn: Turn, point: CarPoint) -> Vector:
         """Return the unknowns of the search for a turn at a point, shape (n_unknowns,)."""
         torque = point.state[self._integral if self._pedal is None else self._pedal]
-        if turn.acceleration < 0.0:
-            torque = point.parameters[self._brake[0]] / _BRAKE_SCALE
+        braked = point.parameters[self._brake[0]] / _BRAKE_SCALE
+        if turn.acceleration < 0.0 and braked > 0.0:
+            torque = -braked
         return np.concatenate([point.state[self._free], [point.parameters[self._angle[0]], torque]])
 
     def yaw_acceleration(self, point: CarPoint) -> float:
@@ -276,9 +273,11 @@ class SteadyTurn:
         state[self._free] = x[:-2]
         parameters[self.car.place("speed")] = turn.speed
         parameters[self._angle] = x[-2]
-        braked = turn.acceleration < 0.0
-        parameters[self._brake] = x[-1] * _BRAKE_SCALE if braked else 0.0
-        drive = 0.0 if braked else float(x[-1])
+        drive, braked = float(x[-1]), 0.0
+        if turn.acceleration < 0.0:
+            # Where the tyres slow the car more than wanted, it is the drive that acts.
+            drive, braked = max(drive, 0.0), max(-drive, 0.0)
+        parameters[self._brake] = braked * _BRAKE_SCALE
         if self._pedal is None:
             state[self._integral] = drive
         else:

@@ -20,6 +20,9 @@ from vehicledyn.base.errors import NumericalError
 TurnOf = Callable[[float], Turn]
 """The demand on a turn of a value, such as a lateral acceleration."""
 
+_FIRST_PART = 0.125
+"""Part of the longest step that the first one is, before which nothing tells a leap."""
+
 _LEAST_PART = 1.0 / 256.0
 """Least part of a first step by which a value grows."""
 
@@ -67,10 +70,10 @@ def followed(
     last
         Value to end at.
     step, smallest
-        First step of the value, and the least one; a limit is known to the latter.
+        Longest step of the value, and the least one; a limit is known to the latter.
     """
     values, points = [start[0]], [start[1]]
-    size, passed = step, 0
+    size, passed, is_growing = _FIRST_PART * step, 0, True
     orientation = solver.orientation(turn(start[0]), start[1])
     while values[-1] < last - 1e-9:
         wanted = min(values[-1] + size, last)
@@ -78,6 +81,7 @@ def followed(
         if point is not None and _leaps(solver, turn, (values, points), wanted, point):
             point = None
         if point is None:
+            is_growing = False
             if size > smallest:
                 size = max(0.5 * size, smallest)
                 continue
@@ -93,7 +97,7 @@ def followed(
             passed += 1
             wanted, point = beyond
         else:
-            size = min(2.0 * size, step) if passed else size
+            size = min(2.0 * size, step) if is_growing or passed else size
         values.append(wanted)
         points.append(point)
     return TurnPath(values, points, is_limit=False, is_lost=False)
