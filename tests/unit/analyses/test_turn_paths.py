@@ -111,7 +111,7 @@ def test_a_neutral_car_is_read_where_it_comes_back_to_the_circle(near):
 
 @pytest.mark.long
 def test_the_drive_helps_where_cornering_brakes_more_than_wanted():
-    """A balance that brakes gently goes over to the drive where the tyres slow the car themselves."""
+    """Gentle braking goes over to driving where the tyres slow the car by themselves."""
     test = DrivingTest(speed_control=CONTROL)
     car = TestedCar(read_target("small_car"), backend="auto", progress=lambda *_: None, test=test)
     solver = SteadyTurn(car)
