@@ -85,3 +85,19 @@ def test_a_run_that_diverges_keeps_what_it_computed(tmp_path):
     assert outcome.status == "failed"
     assert "the integration diverges with a step of 10 ms" in outcome.messages[-1]
     assert outcome.summary["energy_drift"].value > 1e15
+
+
+@pytest.mark.parametrize(
+    ("step", "reason"),
+    [("0.1 ms", "is no longer a finite number"), ("0.2 ms", "Newton's method did not converge")],
+)
+def test_loops_that_diverge_end_with_the_reason(step, reason, tmp_path):
+    """Neither a better partition nor dependent constraints are sought among what is no number."""
+    (tmp_path / "rod.yaml").write_text(
+        f"title: A rod that bends too fast\nmodel: {SYSTEMS / 'slider_crank_flexible.yaml'}\n"
+        f"duration: 5 ms\nsolver: {{kind: symplectic_euler, step: {step}}}\n"
+        "output: {interval: 0.2 ms}\n"
+    )
+    outcome = run(tmp_path / "rod.yaml", tmp_path / "rod.h5")
+    assert outcome.status == "failed"
+    assert any(reason in message for message in outcome.messages), outcome.messages

@@ -141,10 +141,16 @@ def best_pairs(
 
 
 def independent_rows(jacobian: Array) -> list[int]:
-    """Return rows that are linearly independent and span all, by pivoted QR of the scaled rows."""
+    """Return rows that are linearly independent and span all, by pivoted QR of the scaled rows.
+
+    There are none where rows are so large that they cannot be compared, as in runs that diverge.
+    """
     from scipy.linalg import qr
 
-    lengths = np.linalg.norm(jacobian, axis=1, keepdims=True)
+    with np.errstate(all="ignore"):
+        lengths = np.linalg.norm(jacobian, axis=1, keepdims=True)
+    if not np.isfinite(lengths).all():
+        return []
     scaled = jacobian / np.where(lengths > RANK_TOLERANCE, lengths, np.inf)
     triangle, order = qr(scaled.T, mode="r", pivoting=True)
     rank = int(np.sum(np.abs(np.diag(triangle)) > RANK_TOLERANCE))

@@ -79,12 +79,13 @@ class PartitionWatch:
     def independent_rows(self, time: float, values: dict[str, float]) -> Array:
         """Return the Jacobian of rows that are independent, by all coordinates but driven ones.
 
-        Which rows are is decided when first asked.
+        Which rows are is decided when first asked; there are none where a motion that diverges
+        makes them too large to compare.
         """
         _, jacobian, moving = self._at(time, values)
         if self._independent is None:
-            self._independent = partition.independent_rows(jacobian[:, moving])
-        return np.asarray(jacobian[np.ix_(self._independent, moving)])
+            self._independent = partition.independent_rows(jacobian[:, moving]) or None
+        return np.asarray(jacobian[np.ix_(self._independent or [], moving)])
 
     def is_regular(self, time: float, values: dict[str, float], least: float = REGULAR) -> bool:
         """Return whether the constraints are far from depending on each other.
@@ -92,8 +93,9 @@ class PartitionWatch:
         Their least singular value is above ``least`` when they are scaled to length one [1].
         """
         rows = self.independent_rows(time, values)
-        lengths = np.linalg.norm(rows, axis=1, keepdims=True)
-        if not len(rows) or not np.isfinite(rows).all() or not lengths.all():
+        with np.errstate(all="ignore"):
+            lengths = np.linalg.norm(rows, axis=1, keepdims=True)
+        if not len(rows) or not np.isfinite(lengths).all() or not lengths.all():
             return False
         return bool(np.linalg.svd(rows / lengths, compute_uv=False)[-1] > least)
 

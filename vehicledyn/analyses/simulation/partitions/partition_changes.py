@@ -169,7 +169,8 @@ class PartitionChanges:
         """
         values = values_of(self.kernel, sample)
         leverage = self.watch.leverage(sample.time, values, self._dependent)
-        if leverage <= limit:
+        # A run that diverges comes to where no rate is a number: other coordinates do no better.
+        if leverage <= limit or np.isnan(leverage):
             return None
         # Near a singular position all partitions are bad; there only a much better one helps.
         is_mild = 0.0 < limit < leverage <= LEVERAGE

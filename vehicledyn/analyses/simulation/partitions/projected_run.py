@@ -116,7 +116,9 @@ class ProjectedRun:
         sample = Sample(float(time), state.copy(), unknowns.copy(), outputs.copy())
         start, before, now = self._last, self._jacobian, self._scaled_jacobian(sample)
         self._last, self._jacobian = sample, now
-        if start is None or before is None or not len(now) or _is_positive(now, before):
+        if start is None or before is None or not len(before) or not len(now):
+            return
+        if _is_positive(now, before):
             return
         if self._is_crossed(start, before, float(time)):
             raise NumericalError(
@@ -146,11 +148,17 @@ class ProjectedRun:
         return not all(_is_positive(b, a) for a, b in pairwise(jacobians))
 
     def _scaled_jacobian(self, sample: Sample | None) -> Vector:
-        """Return the Jacobian of the kept rows at a sample, its rows of length one."""
+        """Return the Jacobian of the kept rows at a sample, its rows of length one.
+
+        There are none where a motion that diverges makes them too large.
+        """
         if sample is None:
             return np.zeros((0, 0))
         rows = self._watch.independent_rows(sample.time, values_of(self.kernel, sample))
-        lengths = np.linalg.norm(rows, axis=1, keepdims=True)
+        with np.errstate(all="ignore"):
+            lengths = np.linalg.norm(rows, axis=1, keepdims=True)
+        if not np.isfinite(lengths).all():
+            return np.zeros((0, 0))
         return np.asarray(rows / np.where(lengths > 0.0, lengths, 1.0))
 
     def _weak(self) -> str:
