@@ -22,6 +22,9 @@ ENERGIES, POWER = ("energy.kinetic", "energy.gravity"), "power.forces"
 _LEAST_OF_KINETIC = 0.1
 """Part of the kinetic energy that counts as exchanged at least."""
 
+_UNEVEN = 1e-6
+"""Difference of two intervals between samples, as a part of them, from which they are uneven."""
+
 Floats = NDArray[np.float64]
 
 
@@ -54,7 +57,7 @@ def energy_error(recording: Recording) -> Iterator[SummaryEntry]:
 
 
 def rough_balance(recording: Recording) -> EnergyBalance | None:
-    """Return the balance of the energy by trapezoids, at a tenth of the price, None as below.
+    """Return the balance of the energy by local cubics, at a tenth of the price, None as below.
 
     Samples must fit into memory, each at a time of its own.
     """
@@ -63,11 +66,21 @@ def rough_balance(recording: Recording) -> EnergyBalance | None:
     rows = recording.rows((*ENERGIES, POWER), 0, recording.count)
     with np.errstate(over="ignore", invalid="ignore"):
         power, energy = rows.channels[POWER], _energy(rows)
-        work = np.append(0.0, np.cumsum(0.5 * np.diff(rows.time) * (power[1:] + power[:-1])))
+        work = np.append(0.0, np.cumsum(_rough_work(rows.time, power)))
         error = float(np.abs(energy - energy[0] - work).max())
         spans = [float(np.ptp(rows.channels[name])) for name in ENERGIES]
         largest = _LEAST_OF_KINETIC * float(rows.channels[ENERGIES[0]].max())
         return EnergyBalance(error, max(largest, *spans, float(np.ptp(work))))
+
+
+def _rough_work(times: Floats, power: Floats) -> Floats:
+    """Return the work between samples, shape (n - 1,): by trapezoids where times are uneven [J]."""
+    spans = np.diff(times)
+    is_even = np.abs(np.diff(spans)) < _UNEVEN * spans[1:]
+    bend = power[1:-2] + power[2:-1] - power[:-3] - power[3:]
+    work: Floats = 0.5 * spans * (power[1:] + power[:-1])
+    work[1:-1] += np.where(is_even[:-1] & is_even[1:], spans[1:-1] * bend / 24.0, 0.0)
+    return work
 
 
 def energy_balance(recording: Recording) -> EnergyBalance | None:

@@ -257,7 +257,7 @@ def energy_is_off(watch: WatchedRun) -> bool:
         return False
     with np.errstate(all="ignore"):
         rough = balance_of(watch, watch.kept, rough=True)
-        if rough is None or rough.part <= 0.5 * MOVED:
+        if rough is None or rough.part <= 0.75 * MOVED:
             return False
         found = balance_of(watch, watch.kept)
     return found is not None and found.part > MOVED

@@ -74,6 +74,7 @@ class AccuracyWatch(WatchedRun):
 
     def conclude(self, *, ended_early: bool = False) -> Accuracy:
         """Return the same, also of a run that diverged."""
+        self.measure_kept()
         ends = self.latest[:-1] if ended_early else self.latest[-1:]
         places = [*self.places, *(p for p in ends if p.index > self.places[-1].index)]
         rows = [self.window(place) for place in places]

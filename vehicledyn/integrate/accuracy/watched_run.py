@@ -129,11 +129,15 @@ class WatchedRun:
             self.spares += [place(k - first) for k in _numbers(*span, spacing, spacing // 2)]
         self.latest = [*self.latest, *map(place, range(max(0, sound - _LATEST), sound))][-_LATEST:]
         if self.kept is None:
-            values = outputs[:sound, self.judged.channels]
+            self._measure(first, outputs[:sound, self.judged.channels])
         else:
-            values = self.kept.take(times[:sound], outputs[:sound])
-        self._measure(first, values)
+            self.kept.take(times[:sound], outputs[:sound])
         return sound
+
+    def measure_kept(self) -> None:
+        """Find the ranges of the samples that were kept, all at once."""
+        if self.kept is not None:
+            self._measure(0, self.kept.values)
 
     def _measure(self, first: int, values: Vector) -> None:
         """Go on by judged channels, the first ones those of a sample by number."""
