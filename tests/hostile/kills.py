@@ -331,7 +331,9 @@ class Campaign:
             with open_study(path) as study:
                 return sum(study.counts().values()) - study.counts()["pending"]
         runs = Path(f"{path}.runs.jsonl")
-        return runs.read_bytes().count(b"\n") if runs.exists() and not path.exists() else 0
+        if path.exists():
+            return np.inf  # it is at its end
+        return runs.read_bytes().count(b"\n") if runs.exists() else 0
 
     def _is_begun(self, victim, path):
         """Return whether there is something to go on with."""
