@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyse.optimal_control.path_curves import PathCurves
-from vehicledyn.analyse.optimal_control.problem import BEND, RAMP, ControlProblem
+from vehicledyn.analyse.optimal_control.problem import BEND, RAMP, ControlProblem, Path
 from vehicledyn.analyse.optimal_control.trajectory import DEGREE, Trajectory, radau_points
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.kernel.engine import Ledger
@@ -50,18 +50,21 @@ class Driver:
     Parameters
     ----------
     problem
-        With its path.
+        Whose controls drive.
+    path
+        That of the problem.
     kernel
         Of the same equations.
     vehicle
         What to steer.
     """
 
-    def __init__(self, problem: ControlProblem, kernel: Kernel, vehicle: Vehicle) -> None:
-        assert problem.path is not None
+    def __init__(
+        self, problem: ControlProblem, path: Path, kernel: Kernel, vehicle: Vehicle
+    ) -> None:
         self._problem, self._vehicle = problem, vehicle
         self._kernel = kernel.with_parameters(problem.parameters)
-        self._curves = PathCurves(problem.path)
+        self._curves = PathCurves(path)
         self._lap = (0.0, np.inf)
         self._low, self._high, self._size, self._rate = (
             np.array([getattr(c, k) for c in problem.controls])

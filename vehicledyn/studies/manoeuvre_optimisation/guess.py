@@ -75,7 +75,7 @@ def _driven(manoeuvre: PreparedManoeuvre, along_path: Trajectory) -> Trajectory 
     pairs = dict(zip(prepared.equations.positions, prepared.equations.velocities, strict=True))
     x, y = problem.path.place
     vehicle = Vehicle((x, y), heading, (pairs[x], pairs[y]), manoeuvre.speed)
-    driver = Driver(problem, prepared.kernel, vehicle)
+    driver = Driver(problem, problem.path, prepared.kernel, vehicle)
     return driver.drive(along_path, laps=2 if study.track.closed and problem.growth else 1)
 
 
