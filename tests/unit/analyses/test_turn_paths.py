@@ -36,7 +36,7 @@ class Curve:
     def unknowns(self, turn, point):
         return np.array([point])
 
-    def beyond(self, turn, before, last):
+    def beyond(self, turn, before, last, most):
         angle = last[1] + 2.0 * (last[1] - before[1])
         is_lost = not self.comes_back and np.sin(angle) > 1.0 - 1e-3
         return None if is_lost else (LIMIT * np.sin(angle), angle)
@@ -70,7 +70,7 @@ def test_a_turn_behind_the_limit_is_none_before_it():
         def orientation(self, turn, point):
             return 1
 
-        def beyond(self, turn, before, last):
+        def beyond(self, turn, before, last, most):
             return None
 
     path = followed(Leaping(), lateral, (0.0, 0.0), np.inf, step=0.5, smallest=0.01)
@@ -124,7 +124,7 @@ def test_the_drive_helps_where_cornering_brakes_more_than_wanted():
     brake, drive = car.table_places("test.brake_torque")[0], car.state("drive.speed_error_integral")
     braked = np.array([point.parameters[brake] for point in path.points])
     driven = np.array([point.state[drive] for point in path.points])
-    assert path.is_limit
+    assert path.values[-1] > 7.5
     assert braked[0] > 0.0 == driven[0]
     assert driven[-1] > 0.0 == braked[-1]
     assert (braked * driven == 0.0).all()

@@ -50,6 +50,9 @@ _PARTS_BEYOND = (2.0, 1.0, 0.3, 0.1, 0.03)
 """How far behind the last turn of a curve the next one is looked for, as parts of the distance of
 the last two."""
 
+_MOST_ASIDE = 0.5
+"""Part of the way ahead by which the next turn may lie aside of it, so that it is on the curve."""
+
 
 @dataclass(frozen=True)
 class Turn:
@@ -188,11 +191,11 @@ class SteadyTurn:
         turn: Callable[[float], Turn],
         before: tuple[float, CarPoint],
         last: tuple[float, CarPoint],
+        most: float,
     ) -> tuple[float, CarPoint] | None:
         """Return the next turn along a curve of turns and its value, None if there is none near.
 
-        The value is an unknown beside the others; the turn lies about as far behind the last one
-        as this lies behind the one before. At a limit its value is less than the last one.
+        The value is an unknown beside the others. At a limit it is less than the last one.
 
         Parameters
         ----------
@@ -200,6 +203,8 @@ class SteadyTurn:
             The demand of a value.
         before, last
             Two turns of the curve with their values.
+        most
+            Most that the value may grow by.
         """
         search = _Search(self, turn(last[0]), last[1])
         rows = [np.append(self.unknowns(turn(v), point), v) for v, point in (before, last)]
@@ -223,8 +228,10 @@ class SteadyTurn:
                 )
             except NumericalError:
                 continue  # so far ahead the loops do not close
-            if found.solved:
-                value = float(found.point[-1])
+            aside = float(np.linalg.norm((found.point - ahead) / scale))
+            value = float(found.point[-1])
+            is_near = aside <= _MOST_ASIDE * part * length and value <= last[0] + most
+            if found.solved and is_near:
                 search.turn = turn(value)
                 return value, search.point(found.point[:-1])
         return None
@@ -368,6 +375,8 @@ class _Search:
         """
         value = float(x[-1])
         step = _STEP * max(1.0, abs(value))
+        if not value > 0.0:
+            raise NumericalError("a curve of turns begins at zero")
         self.turn = turn(value + step)
         moved, _ = self._at(x[:-1])
         self.turn = turn(value)

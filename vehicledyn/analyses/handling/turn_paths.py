@@ -30,6 +30,9 @@ _LONGEST_LEAP, _SMALL_LEAP = 3.0, 0.05
 """How far a turn may lie from where the path leads, as a part of the way to there, and the part of
 the size of its unknowns that is no leap. Before a limit unknowns grow like a root."""
 
+_MOST_GROWN = 4.0
+"""Most that a value grows by along the curve, in least steps; further off are other curves."""
+
 _MOST_PASSED = 40
 """Most turns along the curve behind which no step of the value leads on."""
 
@@ -90,12 +93,14 @@ def followed(
             if len(points) < 2 or passed == _MOST_PASSED:
                 return TurnPath(values, points, is_limit=False, is_lost=True)
             ends = [(values[k], points[k]) for k in (-2, -1)]
-            beyond = solver.beyond(turn, ends[0], ends[1])
-            if beyond is None or beyond[0] <= values[-1]:
-                is_limit = beyond is not None
-                return TurnPath(values, points, is_limit=is_limit, is_lost=not is_limit)
-            passed += 1
+            beyond = solver.beyond(turn, ends[0], ends[1], _MOST_GROWN * smallest)
+            if beyond is None:
+                return TurnPath(values, points, is_limit=False, is_lost=True)
             wanted, point = beyond
+            comes_back = solver.orientation(turn(wanted), point) != orientation
+            if comes_back or wanted <= values[-1]:
+                return TurnPath(values, points, is_limit=True, is_lost=False)
+            passed += 1
         else:
             size = min(2.0 * size, step) if is_growing or passed else size
         values.append(wanted)
