@@ -1,6 +1,6 @@
 """All kinds of parts of system files, loaded only when a system file is read."""
 
-from functools import lru_cache
+from functools import cache
 from pathlib import Path
 
 import vehicledyn.multibody.elements
@@ -20,7 +20,7 @@ def load_kinds() -> None:
     announce_elements()
 
 
-@lru_cache(maxsize=1)
+@cache
 def _enter_own() -> None:
     """Read the modules of this package once; who adds kinds of their own registers them."""
     discover("vehicledyn.files.system", [str(Path(__file__).parent)])
