@@ -87,10 +87,10 @@ def test_no_energy_comes_from_a_dead_point_between_samples(system, solver, durat
 
 
 def test_a_method_that_chooses_its_steps_does_not_creep_up_to_a_dead_point():
-    """Its steps became a billion times shorter there, until rounding led them anywhere."""
+    """It gives up on steps that become ever shorter there; how short they get is rounding."""
     motion = Motion(dyads(3, 1), dop853(1e-8), 0.3, 0.1)
     assert len(motion.changes) == 1
-    assert motion.statistics.smallest_step > 1e-5
+    assert motion.statistics.steps < 500
 
 
 def test_a_library_that_stops_at_a_dead_point_is_helped_over_it():

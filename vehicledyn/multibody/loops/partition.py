@@ -145,13 +145,18 @@ def independent_rows(jacobian: Array) -> list[int]:
 
     There are none where rows are so large that they cannot be compared, as in runs that diverge.
     """
-    from scipy.linalg import qr
-
     with np.errstate(all="ignore"):
         lengths = np.linalg.norm(jacobian, axis=1, keepdims=True)
     if not np.isfinite(lengths).all():
         return []
     scaled = jacobian / np.where(lengths > RANK_TOLERANCE, lengths, np.inf)
+    (rows,) = np.nonzero(lengths[:, 0] > RANK_TOLERANCE)
+    if 0 < len(rows) <= jacobian.shape[1]:
+        least = np.linalg.svd(scaled[rows], compute_uv=False)[-1]
+        if least > RANK_TOLERANCE:  # no diagonal element of the triangle is less
+            return [int(k) for k in rows]
+    from scipy.linalg import qr
+
     triangle, order = qr(scaled.T, mode="r", pivoting=True)
     rank = int(np.sum(np.abs(np.diag(triangle)) > RANK_TOLERANCE))
     return sorted(int(k) for k in order[:rank])
