@@ -53,8 +53,8 @@ def acceleration_limits(
                 across = _across(solver, speed, along, (0.0, point))
                 pairs.append((along, max(across.values)))
                 if across.is_lost:
-                    told = _FURTHER % across.values[-1]
-                    lost.append(f"{words} at {size:g} m/s^2: {told} across the path")
+                    found = _FURTHER % across.values[-1]
+                    lost.append(f"{words} at {size:g} m/s^2: {found} across the path")
             path = _straight(solver, speed, direction, (size, point), step)
             if path.is_limit or path.is_lost:
                 break

@@ -114,8 +114,7 @@ class DeadPoints:
         -------
         Sample or None
             The look itself where it is right, or an event lies in between; None where some of the
-            pivots of ``blocks`` fall
-            below their ``least`` sizes on the way.
+            pivots of ``blocks`` fall below their ``least`` sizes on the way.
         """
         if self._is_interrupted(before, after):
             return after
