@@ -6,9 +6,10 @@ from scipy.spatial.transform import Rotation
 
 from vehicledyn.analyses.handling.circle import constant_radius, constant_speed, constant_steering
 from vehicledyn.analyses.handling.cornering_modes import CorneringModes
-from vehicledyn.analyses.handling.steady_turn import SteadyTurn, Turn, solver_for
+from vehicledyn.analyses.handling.steady_turn import SteadyTurn, solver_for
 from vehicledyn.analyses.handling.test_run import drive
 from vehicledyn.analyses.handling.tested_car import CONTROL, TestedCar
+from vehicledyn.analyses.handling.turn_equations import Turn
 from vehicledyn.interface.targets import read_target
 from vehicledyn.road.manoeuvres import frequency_test
 from vehicledyn.road.manoeuvres.driving_test import DrivingTest

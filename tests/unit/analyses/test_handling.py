@@ -7,9 +7,10 @@ import vehicledyn
 from vehicledyn.analyses.handling.circle import constant_radius, constant_speed, constant_steering
 from vehicledyn.analyses.handling.cornering_modes import CorneringModes
 from vehicledyn.analyses.handling.equal_curvature import gradients_on_circle
-from vehicledyn.analyses.handling.steady_turn import SteadyTurn, Turn, solver_for
+from vehicledyn.analyses.handling.steady_turn import SteadyTurn, solver_for
 from vehicledyn.analyses.handling.test_run import drive, figures_of
 from vehicledyn.analyses.handling.tested_car import CONTROL, TestedCar
+from vehicledyn.analyses.handling.turn_equations import Turn
 from vehicledyn.analyses.handling.yaw_moment import yaw_moments
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.interface.targets import read_target

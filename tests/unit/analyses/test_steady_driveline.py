@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from vehicledyn.analyses.handling.steady_turn import SteadyTurn, Turn
+from vehicledyn.analyses.handling.steady_turn import SteadyTurn
 from vehicledyn.analyses.handling.tested_car import CONTROL, TestedCar
+from vehicledyn.analyses.handling.turn_equations import Turn
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.interface.targets import read_target
 from vehicledyn.road.manoeuvres.driving_test import DrivingTest
@@ -37,7 +38,7 @@ def greatest_rate(solver, point):
     car.kernel.set_parameters(point.parameters)
     rates = car.rates(point.state, point.unknowns)[0]
     chassis = car.vehicle.chassis
-    going = {*solver.turning, *(f"{chassis}.{k}" for k in ("x", "y", "yaw"))}
+    going = {*solver.states.turning, *(f"{chassis}.{k}" for k in ("x", "y", "yaw"))}
     going |= {f"{chassis}.{k}_rate" for k in ("x", "y")}
     return max(abs(r) for s, r in zip(e.states, rates, strict=True) if s.name not in going)
 
@@ -48,10 +49,10 @@ def test_a_driven_car_runs_straight_and_turns(model):
     solver = solver_of(model)
     point = solver.straight(SPEED)
     turn = solver.find(Turn(SPEED, "lateral_acceleration", 3.0), point)
-    assert turn.state[solver._motion[2]] * SPEED == pytest.approx(3.0, rel=1e-3)
+    assert turn.state[solver.states.motion[2]] * SPEED == pytest.approx(3.0, rel=1e-3)
     for found in (point, turn):
         assert greatest_rate(solver, found) < STEADY
-        assert 0.0 < found.state[solver._pedal] < 1.0
+        assert 0.0 < found.state[solver.states.pedal] < 1.0
 
 
 def test_the_gearbox_is_in_the_gear_of_the_speed(automatic):
@@ -76,7 +77,7 @@ def test_the_gearbox_is_in_the_gear_of_the_speed(automatic):
 
 def test_a_steady_turn_with_a_gearbox_holds_all_rates(automatic):
     point = automatic.find(Turn(SPEED, "lateral_acceleration", 3.0), automatic.straight(SPEED))
-    assert point.state[automatic._motion[2]] * SPEED == pytest.approx(3.0, rel=1e-3)
+    assert point.state[automatic.states.motion[2]] * SPEED == pytest.approx(3.0, rel=1e-3)
     assert greatest_rate(automatic, point) < STEADY
 
 

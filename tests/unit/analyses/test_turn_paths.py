@@ -5,8 +5,9 @@ import pytest
 
 from vehicledyn.analyses.handling.circle import SteadyCurve, constant_radius, constant_speed
 from vehicledyn.analyses.handling.equal_curvature import gradients_on_circle, place_on
-from vehicledyn.analyses.handling.steady_turn import SteadyTurn, Turn, solver_for
+from vehicledyn.analyses.handling.steady_turn import SteadyTurn, solver_for
 from vehicledyn.analyses.handling.tested_car import CONTROL, TestedCar
+from vehicledyn.analyses.handling.turn_equations import Turn
 from vehicledyn.analyses.handling.turn_paths import followed, reached
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.interface.targets import read_target
@@ -142,7 +143,7 @@ def front_driven() -> SteadyTurn:
 def test_friction_that_sticks_does_not_steer(front_driven):
     """It keeps what it has at rest, so the limit of the car is that of its tyres either way."""
     frictions = {f"steering.{name}_friction.twist" for name in ("column", "rack")}
-    assert set(front_driven.sticking) == frictions
+    assert set(front_driven.states.sticking) == frictions
     speed = constant_speed(front_driven, 80.0 / 3.6)
     circle = constant_radius(front_driven, 100.0)
     assert not speed.is_lost and not circle.is_lost

@@ -11,8 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.analyses.handling.steady_turn import SteadyTurn, Turn
+from vehicledyn.analyses.handling.steady_turn import SteadyTurn
 from vehicledyn.analyses.handling.tested_car import CarPoint
+from vehicledyn.analyses.handling.turn_equations import Turn
 from vehicledyn.analyses.handling.turn_paths import TurnPath, followed
 
 Vector = NDArray[np.float64]

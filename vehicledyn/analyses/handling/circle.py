@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyses.handling.slow_turn import effective_wheelbase
-from vehicledyn.analyses.handling.steady_turn import SteadyTurn, Turn
+from vehicledyn.analyses.handling.steady_turn import SteadyTurn
 from vehicledyn.analyses.handling.tested_car import CarPoint
+from vehicledyn.analyses.handling.turn_equations import Turn
 from vehicledyn.analyses.handling.turn_paths import followed
 
 Vector = NDArray[np.float64]

@@ -58,7 +58,7 @@ class CorneringModes:
     def __init__(self, solver: SteadyTurn) -> None:
         car = self.car = solver.car
         e, chassis = car.equations, car.vehicle.chassis
-        left_out = {f"{chassis}.x", f"{chassis}.y", f"{chassis}.yaw", *solver.turning}
+        left_out = {f"{chassis}.x", f"{chassis}.y", f"{chassis}.yaw", *solver.states.turning}
         self._kept = [k for k, s in enumerate(e.states) if s.name not in left_out]
         names = [e.states[k].name for k in self._kept]
         self._motion = [names.index(f"{chassis}.{n}_rate") for n in ("x", "y", "yaw")]

@@ -6,9 +6,9 @@ import math
 from collections.abc import Callable
 
 from vehicledyn.analyses.handling.standard_tests import SPLIT_DURATION, SPLIT_SPEED, StandardTests
-from vehicledyn.analyses.handling.steady_turn import Turn
 from vehicledyn.analyses.handling.test_run import DrivenTest, drive, figures_of, sheet_of
 from vehicledyn.analyses.handling.tested_car import TestedCar
+from vehicledyn.analyses.handling.turn_equations import Turn
 from vehicledyn.analyses.handling.turn_paths import reached
 from vehicledyn.kernel.make_kernel import Backend
 from vehicledyn.results.tables.handling_table import KeyFigure

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from vehicledyn.analyses.handling.steady_turn import SteadyTurn, Turn
+from vehicledyn.analyses.handling.steady_turn import SteadyTurn
+from vehicledyn.analyses.handling.turn_equations import Turn
 
 _SPEEDS = (3.0, 5.0)
 """Speeds of the turns from which the angle at none follows, linear in the speed squared [m/s]."""

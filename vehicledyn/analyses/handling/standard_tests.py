@@ -15,9 +15,10 @@ from vehicledyn.analyses.handling.response_sheets import (
     measured_responses,
     response_sheet,
 )
-from vehicledyn.analyses.handling.steady_turn import SteadyTurn, Turn
+from vehicledyn.analyses.handling.steady_turn import SteadyTurn
 from vehicledyn.analyses.handling.test_run import DrivenTest, drive, figures_of, sheet_of
 from vehicledyn.analyses.handling.tested_car import CarPoint
+from vehicledyn.analyses.handling.turn_equations import Turn
 from vehicledyn.analyses.handling.turn_paths import reached
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.results.tables.handling_table import TRUTH, KeyFigure, Sheet
@@ -129,14 +130,14 @@ class StandardTests:
             signals = self._run(name, test, _TOWN, duration).signals
             found = measured_responses(signals, frequencies)
             self.sheets[f"{name}_response"] = response_sheet(frequencies, found)
-            if self.solver.sticking:
+            if self.solver.states.sticking:
                 continue
             worst = float(np.abs(found["yaw_rate"] / exact["yaw_rate"] - 1.0).max())
             self.figures.append(KeyFigure(name, "from_linear", worst, unit, text))
-        if self.solver.sticking:
+        if self.solver.states.sticking:
             self.notes.append(
                 "linear response: it is that of motions so small that friction sticks "
-                f"({', '.join(self.solver.sticking)}), which the tests make slide"
+                f"({', '.join(self.solver.states.sticking)}), which the tests make slide"
             )
 
     def weave(self) -> None:

@@ -8,17 +8,14 @@ sign, as where a wheel slips more than at its largest force.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
-from vehicledyn.analyses.handling.steady_turn import LEAST_SIZE, SteadyTurn, Turn
+from vehicledyn.analyses.handling.steady_turn import LEAST_SIZE, SteadyTurn
 from vehicledyn.analyses.handling.tested_car import CarPoint
+from vehicledyn.analyses.handling.turn_equations import Turn, TurnOf
 from vehicledyn.base.errors import NumericalError
-
-TurnOf = Callable[[float], Turn]
-"""The demand on a turn of a value, such as a lateral acceleration."""
 
 _FIRST_PART = 0.125
 """Part of the longest step that the first one is, before which nothing tells a leap."""
