@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import typer
 
-from vehicledyn.base.errors import InputError, Interrupted, ResultWarning
+from vehicledyn.base.errors import InputError, Interrupted, ResultWarning, StoppedError
 from vehicledyn.cli.exit_codes import INTERRUPTED, OK, code_of_error, code_of_result
 from vehicledyn.cli.terminal import emit_report, show_progress, tell
 
 if TYPE_CHECKING:
     from vehicledyn.results.labelled.data import LabelledData
+    from vehicledyn.results.plots.drawing_process import Draw
 
 _RUN = "run"
 
@@ -54,14 +55,22 @@ def perform(
 
 
 def conclude(
-    data: LabelledData, *, plots: Path | None, as_json: bool, quiet: bool = False
+    data: LabelledData,
+    *,
+    plots: Path | None,
+    as_json: bool,
+    quiet: bool = False,
+    draw: Draw | None = None,
 ) -> NoReturn:
-    """Draw the figures, print messages and report, and leave with the exit code of the result."""
+    """Draw the figures, print messages and report, and leave with the exit code of the result.
+
+    Figures of a run are drawn by ``draw``.
+    """
     report: Any = data.report
     code = code_of_result(data)
     messages = list(report.messages)
     if plots is not None:
-        drawn, failure = _draw(data, plots, quiet=quiet)
+        drawn, failure = _draw(data, plots, draw, quiet=quiet)
         messages += drawn
         code = code or failure
     for message in () if quiet and code == OK else messages:
@@ -94,18 +103,18 @@ def _draw_tables(data: LabelledData, folder: Path) -> None:
         save_figures(table_figures(data.path), folder, ("png", "svg"))
 
 
-def _draw(data: LabelledData, folder: Path, *, quiet: bool) -> tuple[list[str], int]:
+def _draw(
+    data: LabelledData, folder: Path, draw: Draw | None, *, quiet: bool
+) -> tuple[list[str], int]:
     """Draw figures; return what to say and an exit code. A failure leaves the result whole."""
-    from vehicledyn.results.plots.run_plots import draw_described
-
     try:
-        if data.kind != _RUN:
+        if data.kind != _RUN or draw is None:
             _draw_tables(data, folder)
             return [], OK
         with show_progress(quiet=quiet) as progress:
             progress("drawing the figures", None)
-            number = len(draw_described(data.path, folder))
-    except KeyboardInterrupt:
+            number = draw(data.path, folder)
+    except StoppedError:
         return [f"stopped while drawing; the result {data.path} is whole"], INTERRUPTED
     except InputError as error:
         words = f"the result {data.path} is whole, but not its figures: {error}"

@@ -190,30 +190,33 @@ def run(
     verbose: Verbose = False,
 ) -> None:
     """Simulate a scenario; write its result file and figures."""
-    loaded = files.read_scenario(scenario, overrides)
-    from vehicledyn import simulate
+    from vehicledyn.results.plots.drawing_process import drawing_process
 
-    listen(quiet=quiet, verbose=verbose)
-    result = output or Path(f"{scenario.stem}.h5")
-    check_replacing(
-        result,
-        RUN,
-        overwrite=overwrite or is_same(restart, result),
-        goes_on_by="--restart",
-    )
-    folder = None if no_plots else plots or result.parent / f"{result.stem}_plots"
-    data = perform(
-        simulate,
-        loaded,
-        save_to=result,
-        overwrite=True,
-        restart=restart,
-        backend=backend.value,
-        plots=folder,
-        quiet=quiet,
-        verbose=verbose,
-    )
-    conclude(data, plots=folder, as_json=as_json, quiet=quiet)
+    with drawing_process(wanted=not no_plots) as draw:
+        loaded = files.read_scenario(scenario, overrides)
+        from vehicledyn import simulate
+
+        listen(quiet=quiet, verbose=verbose)
+        result = output or Path(f"{scenario.stem}.h5")
+        check_replacing(
+            result,
+            RUN,
+            overwrite=overwrite or is_same(restart, result),
+            goes_on_by="--restart",
+        )
+        folder = None if no_plots else plots or result.parent / f"{result.stem}_plots"
+        data = perform(
+            simulate,
+            loaded,
+            save_to=result,
+            overwrite=True,
+            restart=restart,
+            backend=backend.value,
+            plots=folder,
+            quiet=quiet,
+            verbose=verbose,
+        )
+        conclude(data, plots=folder, as_json=as_json, quiet=quiet, draw=draw)
 
 
 def validate(

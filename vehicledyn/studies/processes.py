@@ -8,11 +8,9 @@ from __future__ import annotations
 
 import contextlib
 import itertools
-import os
 import queue
 import signal
 import subprocess
-import sys
 import tempfile
 import threading
 from collections import Counter, deque
@@ -21,7 +19,7 @@ from dataclasses import dataclass, field
 from typing import IO, Any
 
 from vehicledyn.base.errors import NumericalError
-from vehicledyn.base.version import FOLDER
+from vehicledyn.base.own_programs import end_program, start_module
 from vehicledyn.studies.block import Work
 from vehicledyn.studies.pool import LIVES, Span, Spans, Take, divided
 from vehicledyn.studies.worker_messages import receive, send
@@ -53,17 +51,9 @@ class WorkerProcess:
 
     def end(self) -> str:
         """End the process with all it started; return how it ended, and why if it said so."""
-        if self.process.poll() is None:
-            with contextlib.suppress(ProcessLookupError):
-                if hasattr(os, "killpg"):
-                    os.killpg(self.process.pid, signal.SIGKILL)
-                self.process.kill()
-        code = self.process.wait()
+        code = end_program(self.process)
         if self.reader is not None:
             self.reader.join()
-        for stream in (self.process.stdin, self.process.stdout):
-            with contextlib.suppress(OSError):
-                stream.close()  # type: ignore[union-attr]
         with self.errors:
             self.errors.seek(0)
             lines = self.errors.read().decode("utf-8", "replace").splitlines()
@@ -174,17 +164,8 @@ class Processes:
             self._waiting.extend(divided(worker.span, self.work, take))
 
     def _start(self) -> WorkerProcess:
-        folder = str(FOLDER.parent)
-        paths = [folder, *filter(None, [os.environ.get("PYTHONPATH")])]
         errors = tempfile.TemporaryFile()  # noqa: SIM115
-        process = subprocess.Popen(
-            [sys.executable, "-P", "-m", _MODULE],
-            env=os.environ | {"PYTHONPATH": os.pathsep.join(paths), "OMP_NUM_THREADS": "1"},
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=errors,
-            start_new_session=True,
-        )
+        process = start_module(_MODULE, errors)
         worker = WorkerProcess(process, errors)
         worker.reader = threading.Thread(target=self._read, args=(worker,), daemon=True)
         worker.reader.start()

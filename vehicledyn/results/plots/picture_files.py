@@ -28,9 +28,11 @@ METADATA: dict[str, dict[str, Any]] = {
 
 
 def save_figures(
-    figures: Iterable[tuple[str, Figure]], folder: Path, formats: Sequence[str]
+    figures: Iterable[tuple[str, Figure | None]], folder: Path, formats: Sequence[str]
 ) -> list[Path]:
     """Save figures, (name, figure) pairs that are drawn on demand, in each format and one style.
+
+    A name without figure is kept free for another process.
 
     Raises
     ------
@@ -46,6 +48,8 @@ def save_figures(
             taken: set[str] = set()
             for given, figure in figures:
                 name = _free_name(given, taken)
+                if figure is None:
+                    continue
                 settle(figure)
                 written += [save(figure, folder / f"{name}.{kind}", kind) for kind in formats]
     except OSError as error:
