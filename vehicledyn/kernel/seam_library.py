@@ -15,7 +15,12 @@ from vehicledyn.codegen.printers.seam_source import (
     surroundings_source,
 )
 from vehicledyn.codegen.toolchain import cache
-from vehicledyn.codegen.toolchain.compiler import Compiler, build_library, build_object
+from vehicledyn.codegen.toolchain.compiler import (
+    Compiler,
+    build_library,
+    build_object,
+    compiled_meanwhile,
+)
 from vehicledyn.codegen.toolchain.fingerprint import generator_fingerprint
 
 
@@ -45,8 +50,9 @@ def seam_library(cut: SeamCut, compiler: Compiler, folder: Path, lanes: int | No
         return Path(shutil.copy(path, folder / "model.o"))
 
     facts, _ = cache.load(cache.key_of(of_model, "facts"), told, _facts)
-    model, _ = cache.load(cache.key_of(of_model, f"{lanes} lanes"), compiled, taken)
-    return build_library(compiler, surroundings_source(cut, facts, lanes), folder, [model])
+    with compiled_meanwhile(compiler, surroundings_source(cut, facts, lanes), folder) as own:
+        model, _ = cache.load(cache.key_of(of_model, f"{lanes} lanes"), compiled, taken)
+    return build_library(compiler, [], folder, [own.result(), model])
 
 
 def _facts(path: Path) -> ModelFacts:

@@ -58,7 +58,9 @@ def model_units(cut: SeamCut, lanes: int | None) -> Iterator[str]:
     head = lane_head(lanes or 1) + ([shared_source("fours.h")] if in_rows else [])
     small = [print_function(half.prepare, "prepare", ["p"], tables=tables)]
     small.append("void vd_model_prepare(const real *p, real *c) {\n  prepare(p, c);\n}\n")
-    for name, function in half.functions.items():
+    # The outputs, which take the compiler longest, come first.
+    for name in sorted(half.functions, key=lambda name: name != "outputs"):
+        function = half.functions[name]
         chosen = name == "outputs" and not alone
         is_large = name in ("rates", "outputs")
         text = print_function(

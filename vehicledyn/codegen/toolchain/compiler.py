@@ -9,8 +9,9 @@ import shlex
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterable
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Iterable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -173,6 +174,13 @@ def build_object(compiler: Compiler, units: Iterable[str], folder: Path) -> Path
     paths = _compiled_units(compiler, iter(units), folder)
     _run([*compiler.command, "-r", "-nostdlib", *map(str, paths), "-o", str(made)], _LEAST_LIMIT)
     return made
+
+
+@contextmanager
+def compiled_meanwhile(compiler: Compiler, unit: str, folder: Path) -> Iterator[Future[Path]]:
+    """Compile a unit in a folder during the block; its object file is there at the end of it."""
+    with ThreadPoolExecutor(1) as beside:
+        yield beside.submit(_compile_unit, compiler, unit, folder / "meanwhile.c")
 
 
 def _compiled_units(compiler: Compiler, units: Iterable[str], folder: Path) -> list[Path]:
