@@ -122,3 +122,17 @@ def test_a_parameter_without_any_effect_is_refused(tmp_path):
     path.write_text(text.replace("push: 3 m/s", "push: 3 m/s"), encoding="utf-8")
     with pytest.raises(InputError, match="neither the equations nor the start depend on it"):
         study(load_model(str(path)), "idle", 1.0, 2.0)
+
+
+def test_a_branch_from_the_end_of_the_range_begins_outside_it_by_rounding(tmp_path):
+    """Its first cycle may lie outside, behind an end that it has not passed."""
+    path = tmp_path / "swing.yaml"
+    law = "-100 N/m * position + gain * rate - 4e4 N*s/m^3 * position**2 * rate"
+    path.write_text(
+        "title: A mass that begins to swing by itself\nparameters: {gain: 1 N*s/m}\n"
+        "bodies: {mass: {joints: [T1 x], mass: 1 kg}}\n"
+        f"forces: {{spring: {{coordinate: mass.x, force: {law}}}}}\n",
+        encoding="utf-8",
+    )
+    report = study(load_model(str(path)), "gain", -1.0, 1e-300)
+    assert any("it leaves the range at gain = 1e-300" in text for text in report.messages)

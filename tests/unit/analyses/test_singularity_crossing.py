@@ -79,3 +79,30 @@ def test_rates_without_loops_of_their_own_are_watched_too():
     with pytest.warns(vd.UnfinishedWarning, match="the integration diverged"):
         run = vd.simulate("bicycle", set=changes, backend="interpreted")
     assert run.status == "failed"
+
+
+class Trembling(Oscillator):
+    """A kernel whose rates are noise, so that no step is short enough but a tiny one."""
+
+    def evaluate(self, time, state, unknowns, ledger):
+        return np.array([np.sin(1e14 * time + 1e9 * state[0]), 0.0])
+
+
+def test_a_passage_that_stalls_ends_soon():
+    kernel = Trembling(20.0)
+    stalled = Passage(kernel, kernel.pivots, Sample(0.0, np.zeros(2), np.zeros(0), np.zeros(0)))
+    with pytest.raises(NumericalError, match="the step size became too small"):
+        stalled.advance(10.0)
+
+
+@pytest.mark.long
+def test_a_change_of_coordinates_that_leads_nowhere_is_taken_back():
+    """The bicycle falls over so fast that its loop stays singular with other coordinates, too."""
+    changes = {
+        "initial": {"frame.roll_rate": "200 rad/s"},
+        "solver": {"kind": "rk4", "step": "1 ms"},
+        "output": {"interval": "5 ms"},
+    }
+    with pytest.warns(vd.UnfinishedWarning, match="'front_contact' becomes singular soon after"):
+        run = vd.simulate("bicycle", set=changes, duration="20 ms", backend="interpreted")
+    assert np.diff(run["frame.roll"].time).min() > 4.9e-3  # no sample twice

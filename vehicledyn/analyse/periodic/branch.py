@@ -142,6 +142,8 @@ class _Tracer:
                     break
                 self.outside.pass_edge(edge)
             if not self._is_inside(point):
+                if not self.outside.edges:  # its first cycle lay outside, by rounding
+                    self.outside.pass_edge(self._nearest_inside(point))
                 if self.outside.ends_before(point, self.limits):
                     self._end("range", f"{self.parameter} reaches {self.outside.edges[-1]:.6g}")
                     break
@@ -159,7 +161,11 @@ class _Tracer:
         if self._is_inside(base) is self._is_inside(point):
             return None
         beyond = base if self._is_inside(point) else point
-        return min(max(beyond.orbit.parameter, self.limits.low), self.limits.high)
+        return self._nearest_inside(beyond)
+
+    def _nearest_inside(self, point: CyclePoint) -> float:
+        """Return the value of the range that is nearest to the one of a point."""
+        return min(max(point.orbit.parameter, self.limits.low), self.limits.high)
 
     def _tell_outside(self) -> None:
         """Say where the branch was outside the range; leave out what does not lead back."""

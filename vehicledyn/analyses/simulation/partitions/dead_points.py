@@ -89,14 +89,16 @@ class DeadPoints:
                 continue
             first, last = plan.index(begin.time) + 1, plan.index(near.time)
             samples = [passage.sample(plan.time(k)) for k in range(first, last)]
+            kernel, here = changes.derive(near, found)
+            rest = Passage(kernel, changes.pivots, here, self._tolerance)
+            rest.advance(plan.time(last))
+            end = rest.sample(plan.time(last))
+            # Only now is this way certain: where it fails another one begins where it began.
             if samples:
                 changes.log.restart(begin, samples)
-            index, here = changes.changed(near, found)
-            rest = self.passage_from(here)
-            rest.advance(plan.time(index))
-            end = rest.sample(plan.time(index))
+            changes.adopt(kernel, here, found)
             changes.log.restart(here, [end])
-            return RestartPoint(index, end.state, end.unknowns)
+            return RestartPoint(last, end.state, end.unknowns)
         return None
 
     def seems_regular(self, crossing: Crossing) -> bool:

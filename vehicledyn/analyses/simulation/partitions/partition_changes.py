@@ -200,20 +200,28 @@ class PartitionChanges:
         if self.plan.is_look(near.time):
             self.log.accept(near)
             return self.change(near, found)
-        look, here = self.changed(near, found)
+        kernel, here = self.derive(near, found)
+        self.adopt(kernel, here, found)
+        look = self.plan.index(here.time)
         rows: list[Sample] = []
         self._follow(here, self.plan.time(look), 1, rows)
         self.log.restart(here, rows[-1:])
         return RestartPoint(look, rows[-1].state, rows[-1].unknowns)
 
-    def changed(self, near: Sample, found: Comparison) -> tuple[int, Sample]:
-        """Change the partition at a sample; return it in the new one, and the look behind it."""
-        look, state, unknowns = self.change(near, found)
-        outputs = self.kernel.outputs(near.time, state, unknowns)
-        return look, Sample(near.time, state, unknowns, outputs)
-
     def change(self, sample: Sample, found: Comparison) -> RestartPoint:
-        """Derive the equations anew at a sample; return where the run goes on.
+        """Go on with other equations from a sample; return where.
+
+        Raises
+        ------
+        NumericalError
+            If the partition has been changed there already.
+        """
+        kernel, here = self.derive(sample, found)
+        self.adopt(kernel, here, found)
+        return RestartPoint(self.plan.index(here.time), here.state, here.unknowns)
+
+    def derive(self, sample: Sample, found: Comparison) -> tuple[Kernel, Sample]:
+        """Return the kernel of another partition, and a sample in it; nothing changes yet.
 
         Raises
         ------
@@ -222,7 +230,6 @@ class PartitionChanges:
         """
         if sample.time <= self.changed_at:
             raise lasts_no_longer(sample, found)
-        self.changed_at, self._changes = sample.time, self._changes + 1
         if found.best not in self.known:
             self.plan.progress("deriving the equations with other dependent coordinates", None)
             self.known[found.best] = derived_at(
@@ -237,11 +244,14 @@ class PartitionChanges:
         state, guess = state_in(new, self.kernel, sample)
         unknowns = new.solve_unknowns(sample.time, state, guess)
         outputs = new.outputs(sample.time, state, unknowns)
-        self.kernel = new
-        self.log.change(Sample(sample.time, state, unknowns, outputs))
-        _log.info("t = %.6g s: '%s' is no longer dependent", sample.time, found.worst)
-        self.plan.happened("partition.changed", sample.time)
-        return RestartPoint(self.plan.index(sample.time), state, unknowns)
+        return new, Sample(sample.time, state, unknowns, outputs)
+
+    def adopt(self, kernel: Kernel, here: Sample, found: Comparison) -> None:
+        """Go on with a derived kernel from a sample, whatever follows."""
+        self.kernel, self.changed_at, self._changes = kernel, here.time, self._changes + 1
+        self.log.change(here)
+        _log.info("t = %.6g s: '%s' is no longer dependent", here.time, found.worst)
+        self.plan.happened("partition.changed", here.time)
 
     def refuse_late(self, sample: Sample, found: Comparison) -> None:
         """Raise NumericalError where a step of fixed size has come too near to a bad partition."""

@@ -49,6 +49,8 @@ _PART = 0.25
 """Longest part of an interval in which determinants are not looked at."""
 _MOST_STEPS = 20_000
 """Steps at most from one place of a passage to the next; one of a sampling interval needs some."""
+_STALLED_STEPS, _STALLED_PART = 500, 1e-5
+"""Steps that lead over less than this part of the way between two places lead nowhere."""
 _PROBE = 1e-7
 
 
@@ -153,12 +155,16 @@ class Passage:
     def advance(self, stop: float) -> None:
         """Integrate to a time [s] with steps of any size."""
         here, refused, tries = self._here, False, 0
+        mark, is_stalled = -np.inf, False
+        least = _STALLED_PART * (stop - here.time)
         size = first_size(self._rates, here, stop - here.time, _both(self._tolerance))
         while here.time < stop:
             tries += 1
             if tries > _MOST_STEPS:
                 raise NumericalError(f"more than {_MOST_STEPS} steps to t = {stop:.9g} s")
-            if size < 10.0 * np.spacing(here.time):
+            if tries % _STALLED_STEPS == 0:
+                is_stalled, mark = here.time - mark < least, here.time
+            if is_stalled or size < 10.0 * np.spacing(here.time):
                 raise NumericalError(f"the step size became too small at t = {here.time:.9g} s")
             trial = try_step(self._rates, here, min(here.time + size, stop), _both(self._tolerance))
             size = next_size(trial, refused=refused)
