@@ -151,6 +151,16 @@ def test_friction_that_sticks_does_not_steer(front_driven):
     for name in frictions:
         place = front_driven.car.state(name)
         assert all(point.state[place] == 0.0 for point in speed.points)
-    found = gradients_on_circle(front_driven, circle, 100.0, first=2.0, last=4.0)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("model", ["front_wheel_drive_car", "off_road_truck"])
+def test_three_methods_read_one_turn(model):
+    """The understeer angle of the truck bends back between the two turns, so any miss shows."""
+    test = DrivingTest(speed_control=CONTROL)
+    car = TestedCar(read_target(model), backend="auto", progress=lambda *_: None, test=test)
+    solver = solver_for(car)
+    circle = constant_radius(solver, 100.0, last=4.5)
+    found = gradients_on_circle(solver, circle, 100.0, first=2.0, last=4.0)
     assert len(found) == 3
     assert np.ptp(list(found.values())) < 5e-3 * min(found.values())

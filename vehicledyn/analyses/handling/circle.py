@@ -123,7 +123,7 @@ def constant_steering(solver: SteadyTurn, angle: float, *, last: float = np.inf)
         found.append(path.points[-1])
         if abs(solver.car.outputs(found[-1])["accelerometer.lateral"]) > last:
             break
-    return _curve(solver, "constant steering-wheel angle", found, float("nan"))
+    return curve_of(solver, "constant steering-wheel angle", found)
 
 
 def _followed(
@@ -137,19 +137,20 @@ def _followed(
 ) -> SteadyCurve:
     begin = first, solver.find(turn(first), start)
     path = followed(solver, turn, begin, last, step=STEP, smallest=_SMALLEST_STEP)
-    curve = _curve(solver, method, path.points, float("nan"))
+    curve = curve_of(solver, method, path.points)
     limit = float(curve.values["lateral_acceleration"].max()) if path.is_limit else float("nan")
     return replace(curve, limit=limit, is_lost=path.is_lost)
 
 
-def _curve(solver: SteadyTurn, method: str, points: list[CarPoint], limit: float) -> SteadyCurve:
+def curve_of(solver: SteadyTurn, method: str, points: list[CarPoint]) -> SteadyCurve:
+    """Return steady turns with their quantities."""
     rows = [describe(solver, point) for point in points]
     wheelbase = effective_wheelbase(solver)
     for row in rows:
         front = row["steering_angle"] / solver.car.steering_ratio
         row["understeer_angle"] = front - wheelbase * row["curvature"]
     values = {name: np.array([row[name] for row in rows]) for name in QUANTITIES}
-    return SteadyCurve(method, values, points, limit)
+    return SteadyCurve(method, values, points)
 
 
 def describe(solver: SteadyTurn, point: CarPoint) -> dict[str, float]:

@@ -15,8 +15,10 @@ from vehicledyn.analyses.handling.circle import (
     SteadyCurve,
     constant_speed,
     constant_steering,
+    curve_of,
 )
 from vehicledyn.analyses.handling.steady_turn import SteadyTurn
+from vehicledyn.analyses.handling.turn_equations import Turn
 from vehicledyn.results.tables.handling_table import KeyFigure
 
 _BEYOND = 0.5
@@ -41,18 +43,28 @@ def gradients_on_circle(
     first, last
         Lateral accelerations of both turns [m/s²].
     """
-    ends = (first, last)
     lateral = circle.values["lateral_acceleration"]
-    angles = [float(np.interp(at, lateral, circle.values["steering_angle"])) for at in ends]
-    speeds = [float(np.sqrt(at * radius)) for at in ends]
-    found = {"constant_radius": [place_on(circle, "lateral_acceleration", at, at) for at in ends]}
+    ends = [
+        solver.find(
+            Turn(float(np.sqrt(at * radius)), "curvature", 1.0 / radius),
+            circle.points[int(np.argmin(np.abs(lateral - at)))],
+        )
+        for at in (first, last)
+    ]
+    turns = curve_of(solver, circle.method, ends)
+    places = list(
+        zip(turns.values["lateral_acceleration"], turns.values["understeer_angle"], strict=True)
+    )
+    found = {"constant_radius": places}
+    speeds = [float(np.sqrt(at * radius)) for at in (first, last)]
+    angles = turns.values["steering_angle"]
     found["constant_speed"] = [
         place_on(constant_speed(solver, speed, last=at + _BEYOND), "curvature", 1.0 / radius, at)
-        for speed, at in zip(speeds, ends, strict=True)
+        for speed, (at, _) in zip(speeds, places, strict=True)
     ]
     found["constant_steering"] = [
         place_on(constant_steering(solver, angle, last=at + _BEYOND), "curvature", 1.0 / radius, at)
-        for angle, at in zip(angles, ends, strict=True)
+        for angle, (at, _) in zip(angles, places, strict=True)
     ]
     return {name: (b[1] - a[1]) / (b[0] - a[0]) for name, (a, b) in found.items()}
 
@@ -86,17 +98,22 @@ def equal_curvature_figures(
 ) -> Iterator[KeyFigure]:
     """Yield the gradients of the three methods on one circle, and how far they are apart.
 
-    Yields nothing where the test at constant radius does not reach both lateral accelerations.
+    Yields nothing where the test at constant radius does not reach both lateral accelerations, and
+    no method that does not cross the circle there.
     """
     lateral = circle.values["lateral_acceleration"]
     if not len(lateral) or lateral[0] > first or lateral[-1] < last:
         return
     found = gradients_on_circle(solver, circle, radius, first=first, last=last)
+    slopes = np.array([slope for slope in found.values() if np.isfinite(slope)])
     for name, slope in found.items():
+        if not np.isfinite(slope):
+            continue
         method = name.replace("_", " ")
         words = f"Understeer gradient from {first:g} to {last:g} m/s^2 on {radius:g} m, {method}"
         yield KeyFigure(NAME, name, slope, "rad*s^2/m", words)
-    slopes = np.array(list(found.values()))
+    if len(slopes) < len(found):
+        return
     apart = float(np.ptp(slopes) / np.abs(slopes).max())
     words = "Difference of the three methods at this curvature (ISO 4138)"
     yield KeyFigure(NAME, "difference", apart, "1", words)
