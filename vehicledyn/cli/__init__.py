@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import gc
 import io
 import os
@@ -14,7 +15,7 @@ from vehicledyn.cli.unforeseen import told
 
 __all__ = ["main"]
 
-_COLLECTED_AFTER = 20_000, 20, 20
+_COLLECTED_AFTER = 100_000, 20, 20
 """Thresholds of the garbage collector, reached less often than usual: reading and generating code
 make many objects and hardly any garbage, and searching them for it took a tenth of the time."""
 
@@ -56,6 +57,7 @@ def _open_closed_streams() -> None:
 
 def _run() -> NoReturn:
     gc.set_threshold(*_COLLECTED_AFTER)
+    atexit.register(gc.freeze)  # what is left at the end goes with the process, unsearched
     # Other packages' plugins of pydantic have no part in this; looking for them takes a while.
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     from vehicledyn.cli.foreign_warnings import told_in_words

@@ -6,13 +6,14 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import Any
 
 from vehicledyn.base.units import missing_unit, parse_unit
 from vehicledyn.files.expressions.algebra import Algebra, ExpressionError, Quantity
 
-Powers = tuple[Fraction, Fraction, Fraction, Fraction]
+Power = int | Fraction
+Powers = tuple[Power, Power, Power, Power]
 
 _COMMON = (
     "1", "m", "kg", "s", "rad", "m/s", "m/s^2", "rad/s", "rad/s^2", "N", "N/m", "N*s/m", "kg*m^2",
@@ -36,7 +37,7 @@ class Measure:
     exact: bool = False
 
     @property
-    def lengths(self) -> tuple[Fraction, ...]:
+    def lengths(self) -> tuple[Power, ...]:
         """Powers of all but the radian."""
         return self.powers[:3]
 
@@ -48,9 +49,9 @@ class Measure:
     @property
     def unit(self) -> str:
         """SI unit, such as "N/m"."""
-        for name in _COMMON:
-            if measure_of(name).powers == self.powers:
-                return name
+        common = _common_units().get(self.powers)
+        if common is not None:
+            return common
         above = [_power(n, p) for n, p in zip(_BASE, self.powers, strict=True) if p > 0]
         below = [_power(n, -p) for n, p in zip(_BASE, self.powers, strict=True) if p < 0]
         return "/".join(["*".join(above) or "1", *below])
@@ -87,20 +88,31 @@ def measure_of(unit: str) -> Measure:
     return Measure(_powers(parse_unit(unit).dimension), exact=True)
 
 
+@cache
+def _common_units() -> dict[Powers, str]:
+    """Return the first of the common units of each measure."""
+    return {measure_of(name).powers: name for name in reversed(_COMMON)}
+
+
 def multiplier_unit(zero: Measure, *, is_rate: bool) -> str:
     """Return the unit of the multiplier of a constraint: J a unit of what is zero, W of a rate."""
     work = measure_of("W" if is_rate else "J")
     m, kg, s, _ = (a - b for a, b in zip(work.powers, zero.powers, strict=True))
-    unit = Measure((m, kg, s, Fraction(0))).unit
+    unit = Measure((m, kg, s, 0)).unit
     return "N*m" if unit == "J" else unit
 
 
 def _powers(dimension: Any) -> Powers:
-    m, kg, s, rad = (p if isinstance(p, Fraction) else Fraction(p) for p in dimension)
+    m, kg, s, rad = (p if isinstance(p, int) else _whole_or_part(Fraction(p)) for p in dimension)
     return (m, kg, s, rad)
 
 
-def _power(name: str, power: Fraction) -> str:
+def _whole_or_part(power: Fraction) -> Power:
+    """Return a power as an integer where it is one, which computes more quickly."""
+    return power.numerator if power.denominator == 1 else power
+
+
+def _power(name: str, power: Power) -> str:
     return name if power == 1 else f"{name}^{power}"
 
 
