@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,9 @@ from ruamel.yaml import YAML
 from ruamel.yaml.composer import Composer, ComposerError
 from ruamel.yaml.error import MarkedYAMLError, YAMLStreamError
 from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
+from ruamel.yaml.parser import Parser
 from ruamel.yaml.reader import ReaderError
+from ruamel.yaml.scanner import Scanner
 
 from vehicledyn.base.bounded_cache import BoundedCache
 from vehicledyn.base.files.limits import UnreadableFileError, read_regular
@@ -119,7 +122,7 @@ def _parse(text: str, name: str) -> Document:
         raise _syntax("only YAML 1.2 is read; take the %YAML line away", name, START)
     document = Document(name, text)
     reader = YAML(typ="safe", pure=True)
-    reader.Composer = _Composer
+    reader.Composer, reader.Parser, reader.Scanner = _Composer, _Parser, _Scanner
     try:
         node = reader.compose(text)
         if node is not None:
@@ -137,9 +140,28 @@ def _parse(text: str, name: str) -> Document:
     return document
 
 
+def _part(name: str) -> Any:
+    """Return a property that asks the loader for one of its parts once, not at every sign."""
+    return cached_property(lambda reader: getattr(reader.loader, name))
+
+
+class _Scanner(Scanner):
+    """A scanner that looks for keys only where there may be some."""
+
+    def need_more_tokens(self) -> bool:
+        if self.tokens and not self.possible_simple_keys:
+            return False
+        return bool(super().need_more_tokens())
+
+
+class _Parser(Parser):
+    scanner = _part("scanner")
+
+
 class _Composer(Composer):
     """Composes nodes until there are too many; reading a long file on would take minutes."""
 
+    parser = _part("parser")
     count = 0
 
     def compose_node(self, parent: Any, index: Any) -> Any:

@@ -85,6 +85,11 @@ def test_validating_rails_loads_nothing_heavy():
     assert "exit code 0" in said
 
 
+def test_validating_a_car_on_tyres_of_files_loads_nothing_heavy():
+    said = heavy_loaded_by("validate", str(SCENARIOS / "sedan.yaml"))
+    assert said.endswith("exit code 0\nloaded []\n")
+
+
 def test_validating_a_vehicle_loads_the_parts_that_it_names():
     iltis = SCENARIOS.parent / "iltis_slalom.yaml"
     others = ("vehicledyn.multibody", "vehicledyn.studies.load", "vehicledyn.road.tyres.linear")
