@@ -127,7 +127,7 @@ FURTHER = {
     "runs to go on with": (
         SYSTEM | {"s.yaml": IDENTIFY.encode(), "measured.csv": MEASURED.encode()},
         ["identify", "s.yaml", "-o", "out.h5", "--resume"],
-        "out.h5.runs.jsonl",
+        "out.h5.checkpoint",
     ),
     "scenario of an optimisation": (
         {
@@ -141,7 +141,7 @@ FURTHER = {
     "runs to keep": (
         SYSTEM | {"s.yaml": IDENTIFY.encode(), "measured.csv": MEASURED.encode()},
         ["identify", "s.yaml", "-o", "out.h5"],
-        "out.h5.runs.jsonl",
+        "out.h5.checkpoint",
     ),
     "restart": (SYSTEM, ["run", "a.yaml", "--restart", "bad.h5"], "bad.h5"),
     "second car": ({}, ["steady", "small_car", "--against", "bad.yaml"], "bad.yaml"),

@@ -17,6 +17,11 @@ Overwrite = Annotated[
     ),
 ]
 
+Resume = Annotated[
+    bool,
+    typer.Option("--resume", help="Go on with what a killed or stopped command left."),
+]
+
 RUN, STUDY, HUNT = "vehicledyn-result", "vehicledyn-study", "vehicledyn-hunt"
 HANDLING = "vehicledyn-handling"
 MODES, RESPONSE, PROFILES = "vehicledyn-modes", "vehicledyn-response", "vehicledyn-profiles"

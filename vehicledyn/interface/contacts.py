@@ -40,6 +40,7 @@ def contact_geometry(
     amplitudes: Iterable[float | str] | None = None,
     save_to: str | Path | None = None,
     overwrite: bool = False,
+    resume: bool = False,
     progress: Progress = False,
 ) -> LabelledData:
     """Return contact points, rolling radii, angles and equivalent conicity of a wheelset on rails.
@@ -72,6 +73,8 @@ def contact_geometry(
         Lateral shifts, and amplitudes of the conicity [m]; -8 to 8 mm and 1 to 7 mm if None.
     save_to, overwrite, progress
         As for :func:`vehicledyn.simulate`.
+    resume
+        Whether to go on with what a killed or stopped analysis left beside ``save_to``.
 
     Returns
     -------
@@ -106,8 +109,8 @@ def contact_geometry(
         shifts=_lengths("shifts", shifts, range(-8, 9)),
         amplitudes=_lengths("amplitudes", amplitudes, range(1, 8)),
     )
-    with result_place(save_to, may_exist=overwrite) as place:
-        report = find_contact_geometry(request, progress=reporter(progress))
+    with result_place(save_to, may_exist=overwrite, resume=resume) as place:
+        report = find_contact_geometry(request, progress=reporter(progress), kept=place.kept)
         write_contacts(place.path, report.table)
         return place.value(report)
 

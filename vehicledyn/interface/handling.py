@@ -23,6 +23,7 @@ def steady(
     set: Settings | None = None,
     save_to: str | Path | None = None,
     overwrite: bool = False,
+    resume: bool = False,
     backend: Backend = "auto",
     progress: Progress = False,
     **settings: Any,
@@ -42,6 +43,8 @@ def steady(
         Whether the yaw-moment diagram and the g-g diagram are wanted.
     set, settings, save_to, overwrite, backend, progress
         As for :func:`vehicledyn.simulate`.
+    resume
+        Whether to go on with what a killed or stopped analysis left beside ``save_to``.
 
     Returns
     -------
@@ -65,8 +68,10 @@ def steady(
     wish = SteadyWish(
         positive("speed", speed, "m/s"), positive("radius", radius, "m"), moments, limits
     )
-    with result_place(save_to, may_exist=overwrite) as place:
-        table = steady_table(target, wish, backend=backend, progress=reporter(progress))
+    with result_place(save_to, may_exist=overwrite, resume=resume) as place:
+        table = steady_table(
+            target, wish, backend=backend, progress=reporter(progress), kept=place.kept
+        )
         write_handling(place.path, table)
         return place.value(HandlingReport(table))
 
@@ -92,7 +97,7 @@ def handling(
     set, settings, save_to, overwrite, backend, progress
         As for :func:`vehicledyn.simulate`.
     resume
-        Whether to go on with tests that were killed on their way to ``save_to``.
+        Whether to go on with what a killed or stopped analysis left beside ``save_to``.
 
     Returns
     -------
@@ -108,14 +113,13 @@ def handling(
         If the car does not run straight.
     """
     from vehicledyn.analyses.handling.handling import handling_table
-    from vehicledyn.analyses.handling.kept_drives import KeptDrives
     from vehicledyn.analyses.handling.report import HandlingReport
     from vehicledyn.results.tables.handling_table import write_handling
 
     target = read_target(car, override_texts(set, settings))
-    with result_place(save_to, may_exist=overwrite or resume) as place:
-        with KeptDrives(None if save_to is None else place.path, resume=resume) as kept:
-            table = handling_table(target, backend=backend, progress=reporter(progress), kept=kept)
-            write_handling(place.path, table, is_locked=save_to is not None)
-            kept.forget()
+    with result_place(save_to, may_exist=overwrite, resume=resume) as place:
+        table = handling_table(
+            target, backend=backend, progress=reporter(progress), kept=place.kept
+        )
+        write_handling(place.path, table)
         return place.value(HandlingReport(table))

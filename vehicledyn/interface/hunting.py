@@ -58,7 +58,7 @@ def hunt(
     set, settings, save_to, overwrite, backend, progress
         As for :func:`vehicledyn.simulate`.
     resume
-        Whether to continue a study that was killed while it wrote ``save_to``.
+        Whether to go on with what a killed or stopped analysis left beside ``save_to``.
 
     Returns
     -------
@@ -89,13 +89,13 @@ def hunt(
         secondary=secondary,
     )
     target = read_target(model, override_texts(set, settings))
-    with result_place(save_to, may_exist=resume or overwrite) as place:
+    with result_place(save_to, may_exist=overwrite, resume=resume) as place:
         report = find_limit_cycles(
             target,
             wanted,
             backend=backend,
-            output=place.path,
             progress=reporter(progress),
-            resume=resume,
+            output=place.path,
+            kept=place.kept,
         )
         return place.value(report)

@@ -93,7 +93,7 @@ def identify_study(
     save_to, overwrite, progress
         As for :func:`vehicledyn.simulate`.
     resume
-        Whether to go on with a study that was stopped; its runs are kept beside ``save_to``.
+        Whether to go on with what a killed or stopped analysis left beside ``save_to``.
     system_file
         Where to write the system with the values found, as a system file; None for nowhere.
 
@@ -120,17 +120,14 @@ def identify_study(
     if system_file is not None:
         found = load_identification(Path(study), override_texts(set, settings))
         model = only_model([item.loaded for item in found.experiments], system_file)
-    kept = None if save_to is None else Path(f"{save_to}.runs.jsonl")
-    with result_place(save_to, may_exist=overwrite or resume) as place:
-        report, runs = run_identification_study(
+    with result_place(save_to, may_exist=overwrite, resume=resume) as place:
+        report = run_identification_study(
             Path(study),
             override_texts(set, settings),
-            kept=kept,
-            resume=resume,
+            kept=place.kept,
             progress=reporter(progress),
         )
         write_identification(place.path, report.table)
         if model is not None and system_file is not None:
             write_found_system(system_file, model, report.as_dict()["set"])
-        runs.forget()
         return place.value(report)

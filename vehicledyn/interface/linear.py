@@ -76,6 +76,7 @@ def modes(
     set: Settings | None = None,
     save_to: str | Path | None = None,
     overwrite: bool = False,
+    resume: bool = False,
     backend: Backend = "auto",
     progress: Progress = False,
     **settings: Any,
@@ -95,6 +96,8 @@ def modes(
         Point to linearise about; the usual one if None.
     set, settings, save_to, overwrite, backend, progress
         As for :func:`vehicledyn.simulate`.
+    resume
+        Whether to go on with what a killed or stopped analysis left beside ``save_to``.
 
     Returns
     -------
@@ -122,13 +125,14 @@ def modes(
         for name, source in models.items()
         for label, changes in (cases or {"": {}}).items()
     ]
-    with result_place(save_to, may_exist=overwrite) as place:
+    with result_place(save_to, may_exist=overwrite, resume=resume) as place:
         report = find_modes(
             variants,
             speeds=speeds_in_si(speed),
             start=start,
             backend=backend,
             progress=reporter(progress),
+            kept=place.kept,
         )
         write_modes(place.path, report.table)
         return place.value(report)

@@ -34,7 +34,7 @@ def optimise_manoeuvre(
     save_to, overwrite, progress
         As for :func:`vehicledyn.simulate`.
     resume
-        Whether to go on with a search that was stopped; its iterate is kept beside ``save_to``.
+        Whether to go on with what a killed or stopped analysis left beside ``save_to``.
 
     Returns
     -------
@@ -56,12 +56,9 @@ def optimise_manoeuvre(
     from vehicledyn.studies.manoeuvre_optimisation.run import run_manoeuvre
 
     loaded = load_manoeuvre(locate(str(study), ("study",)), override_texts(set, settings))
-    kept = None if save_to is None else Path(f"{save_to}.iterate.npz")
-    with result_place(save_to, may_exist=overwrite or resume) as place:
-        report = run_manoeuvre(loaded, kept=kept, resume=resume, progress=reporter(progress))
+    with result_place(save_to, may_exist=overwrite, resume=resume) as place:
+        report = run_manoeuvre(loaded, kept=place.kept, progress=reporter(progress))
         write_manoeuvre(place.path, report.table)
-        if kept is not None:
-            kept.unlink(missing_ok=True)
         if report.table.status != "ok":
             where = "" if save_to is None else f"; '{save_to}' holds the last point"
             raise NumericalError(

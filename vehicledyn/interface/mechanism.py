@@ -29,6 +29,7 @@ def kinematics(
     set: Settings | None = None,
     save_to: str | Path | None = None,
     overwrite: bool = False,
+    resume: bool = False,
     progress: Progress = False,
     **settings: Any,
 ) -> LabelledData:
@@ -49,6 +50,8 @@ def kinematics(
         Names or patterns of the channels that the report shows; the result holds all.
     set, settings, save_to, overwrite, progress
         As for :func:`vehicledyn.simulate`.
+    resume
+        Whether to go on with what a killed or stopped analysis left beside ``save_to``.
 
     Returns
     -------
@@ -71,8 +74,10 @@ def kinematics(
         tuple(texts("channels", channels)) if channels else (),
     )
     target = read_target(model, override_texts(set, settings), ("scenario", "system"))
-    with result_place(save_to, may_exist=overwrite) as place:
-        report = sweep_kinematics(target, request, output=place.path, progress=reporter(progress))
+    with result_place(save_to, may_exist=overwrite, resume=resume) as place:
+        report = sweep_kinematics(
+            target, request, output=place.path, progress=reporter(progress), kept=place.kept
+        )
         return place.value(report)
 
 
@@ -86,6 +91,7 @@ def rig(
     set: Settings | None = None,
     save_to: str | Path | None = None,
     overwrite: bool = False,
+    resume: bool = False,
     progress: Progress = False,
     **settings: Any,
 ) -> LabelledData:
@@ -110,6 +116,8 @@ def rig(
         Coordinate that steers; the one of a body named rack if None.
     set, settings, save_to, overwrite, progress
         As for :func:`vehicledyn.simulate`.
+    resume
+        Whether to go on with what a killed or stopped analysis left beside ``save_to``.
 
     Returns
     -------
@@ -131,8 +139,10 @@ def rig(
     lift = to_si(travel, "m") if isinstance(travel, str) else float(travel)
     request = RigRequest(test, span, lift, steering)
     target = read_target(model, override_texts(set, settings), ("scenario", "system"))
-    with result_place(save_to, may_exist=overwrite) as place:
-        report = run_rig(target, request, output=place.path, progress=reporter(progress))
+    with result_place(save_to, may_exist=overwrite, resume=resume) as place:
+        report = run_rig(
+            target, request, output=place.path, progress=reporter(progress), kept=place.kept
+        )
         return place.value(report)
 
 
@@ -143,6 +153,7 @@ def inverse(
     set: Settings | None = None,
     save_to: str | Path | None = None,
     overwrite: bool = False,
+    resume: bool = False,
     backend: Backend = "auto",
     progress: Progress = False,
     **settings: Any,
@@ -157,6 +168,8 @@ def inverse(
         CSV file, result file or result with the motion; the scenario's section "motion" if None.
     set, settings, save_to, overwrite, backend, progress
         As for :func:`vehicledyn.simulate`.
+    resume
+        Whether to go on with what a killed or stopped analysis left beside ``save_to``.
 
     Returns
     -------
@@ -172,13 +185,14 @@ def inverse(
 
     loaded = read_scenario(scenario, override_texts(set, settings))
     table = motion.path if isinstance(motion, LabelledData) else motion
-    with result_place(save_to, may_exist=overwrite) as place:
+    with result_place(save_to, may_exist=overwrite, resume=resume) as place:
         report = find_forces(
             loaded,
             table=None if table is None else Path(table),
             output=place.path,
             backend=backend,
             progress=reporter(progress),
+            kept=place.kept,
         )
         return place.value(report)
 

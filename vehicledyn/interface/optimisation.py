@@ -35,7 +35,7 @@ def optimise(
     save_to, overwrite, progress
         As for :func:`vehicledyn.simulate`.
     resume
-        Whether to go on with a search that was stopped; its runs are kept beside ``save_to``.
+        Whether to go on with what a killed or stopped analysis left beside ``save_to``.
     system_file
         Where to write the system with the values found, as a system file; None for nowhere.
 
@@ -58,12 +58,9 @@ def optimise(
 
     loaded = load_optimisation(locate(str(study), ("study",)), override_texts(set, settings))
     model = None if system_file is None else only_model(loaded.scenarios.values(), system_file)
-    kept = None if save_to is None else Path(f"{save_to}.runs.jsonl")
-    with result_place(save_to, may_exist=overwrite or resume) as place:
-        report = run_optimisation(loaded, kept=kept, resume=resume, progress=reporter(progress))
+    with result_place(save_to, may_exist=overwrite, resume=resume) as place:
+        report = run_optimisation(loaded, kept=place.kept, progress=reporter(progress))
         write_optimum(place.path, report.table)
         if model is not None and system_file is not None:
             write_found_system(system_file, model, report.as_dict()["set"])
-        if kept is not None:
-            kept.unlink(missing_ok=True)
         return place.value(report)

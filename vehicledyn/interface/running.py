@@ -16,10 +16,12 @@ from vehicledyn.base.errors import (
     AccuracyWarning,
     InputError,
     Interrupted,
+    NumericalError,
     UnfinishedWarning,
 )
 from vehicledyn.base.report import Report
 from vehicledyn.base.version import FOLDER
+from vehicledyn.results.hdf5.kept_work import KeptWork
 from vehicledyn.results.hdf5.output import check_output
 from vehicledyn.results.labelled.data import LabelledData
 
@@ -31,10 +33,18 @@ WARNING = "warning: "
 
 
 class ResultPlace:
-    """Where an analysis writes: a file to keep, or one that lasts as long as its value."""
+    """Where an analysis writes: a file to keep, or one that lasts as long as its value.
 
-    def __init__(self, folder: Path | None, path: Path) -> None:
-        self._folder, self.path = folder, path
+    Attributes
+    ----------
+    path
+        The file.
+    kept
+        What is kept beside it while it is computed.
+    """
+
+    def __init__(self, folder: Path | None, path: Path, kept: KeptWork) -> None:
+        self._folder, self.path, self.kept = folder, path, kept
 
     def value(self, report: Report) -> LabelledData:
         """Return what was written, with the warnings it holds issued.
@@ -48,6 +58,7 @@ class ResultPlace:
         self._folder = None
         if data.status == "interrupted":
             raise Interrupted(data)
+        self.kept.finish()
         _warn(data)
         return data
 
@@ -58,25 +69,35 @@ class ResultPlace:
 
 
 @contextmanager
-def result_place(save_to: str | Path | None, *, may_exist: bool = False) -> Iterator[ResultPlace]:
-    """Give the place of a result.
+def result_place(
+    save_to: str | Path | None, *, may_exist: bool = False, resume: bool = False
+) -> Iterator[ResultPlace]:
+    """Give the place of a result, which nobody else may write meanwhile.
+
+    ``resume`` says that the analysis goes on with what a killed one left there.
 
     Raises
     ------
     InputError
-        If the file to keep exists, or cannot be written.
+        If the file to keep exists, or cannot be written, or there is none to go on with.
     """
     if save_to is None:
+        kept = KeptWork(resume=resume)
         folder = Path(tempfile.mkdtemp(prefix="vehicledyn-"))
-        place = ResultPlace(folder, folder / "result.h5")
+        place = ResultPlace(folder, folder / "result.h5", kept)
     else:
         path = Path(save_to)
-        if path.exists() and not may_exist:
+        if path.exists() and not (may_exist or resume):
             raise InputError(f"{given('save_to', str(path))}: exists; choose another path")
         check_output(path)
-        place = ResultPlace(None, path)
+        kept = KeptWork(path, resume=resume)
+        place = ResultPlace(None, path, kept)
     try:
-        yield place
+        with kept:
+            yield place
+    except NumericalError:
+        kept.finish()  # to go on would end there again
+        raise
     finally:
         place.remove()
 

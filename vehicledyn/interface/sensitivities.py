@@ -14,6 +14,8 @@ from vehicledyn.interface.targets import Source, read_scenario, read_target
 from vehicledyn.results.labelled.data import LabelledData
 
 if TYPE_CHECKING:
+    from vehicledyn.base.step_memory import Memory
+    from vehicledyn.files.scenario.target import Target
     from vehicledyn.results.tables.sensitivity_table import SensitivityTable
 
 
@@ -26,6 +28,7 @@ def sensitivity(
     set: Settings | None = None,
     save_to: str | Path | None = None,
     overwrite: bool = False,
+    resume: bool = False,
     progress: Progress = False,
     **settings: Any,
 ) -> LabelledData:
@@ -52,6 +55,8 @@ def sensitivity(
         scenario's if None. The search for critical speeds begins there.
     set, settings, save_to, overwrite, progress
         As for :func:`vehicledyn.simulate`.
+    resume
+        Whether to go on with what a killed or stopped analysis left beside ``save_to``.
 
     Returns
     -------
@@ -67,6 +72,7 @@ def sensitivity(
     NumericalError
         If the run fails or its derivative does not exist.
     """
+    from vehicledyn.analyses.preparation.target_digest import digests_to_keep
     from vehicledyn.analyses.sensitivity.figure_kinds import (
         is_cycle,
         is_kinematic,
@@ -90,38 +96,47 @@ def sensitivity(
         raise InputError(
             "speed: is for linearised models and limit cycles; a run has the scenario's speed"
         )
-    with result_place(save_to, may_exist=overwrite) as place:
+    with result_place(save_to, may_exist=overwrite, resume=resume) as place:
+        told, at = reporter(progress), None if speed is None else speed_in_si(speed)
+
+        def memory(target: Target, kinds: tuple[type, ...]) -> Memory:
+            digests = digests_to_keep(place.kept, [target])
+            return place.kept.memory("sensitivity", digests, names, patterns, at, kinds=kinds)
+
         if linear[0] or responses[0] or cycles[0]:
-            at = None if speed is None else speed_in_si(speed)
             target = read_target(scenario, changes)
-            find = _finder(names[0])
-            table = find(target, names, patterns, at, reporter(progress))
+            find, kinds = _finder(names[0])
+            table = find(target, names, patterns, at, told, memory=memory(target, kinds))
         elif kinematic[0]:
-            from vehicledyn.analyses.sensitivity.kinematic_curves import find_kinematic_sensitivity
+            from vehicledyn.analyses.sensitivity import kinematic_curves
 
             target = read_target(scenario, changes)
-            table = find_kinematic_sensitivity(target, names, patterns, reporter(progress))
+            known = memory(target, kinematic_curves.KINDS)
+            table = kinematic_curves.find_kinematic_sensitivity(
+                target, names, patterns, told, memory=known
+            )
         else:
-            from vehicledyn.analyses.sensitivity.motion import find_motion_sensitivity
+            from vehicledyn.analyses.sensitivity import motion, motion_study
 
             loaded = read_scenario(scenario, changes)
-            table = find_motion_sensitivity(loaded, names, patterns, reporter(progress))
+            known = memory(loaded, motion_study.KINDS)
+            table = motion.find_motion_sensitivity(loaded, names, patterns, told, memory=known)
         write_sensitivity(place.path, table)
         return place.value(SensitivityReport(table))
 
 
-def _finder(name: str) -> Callable[..., SensitivityTable]:
-    """Return what finds derivatives of linear models, responses or limit cycles."""
+def _finder(name: str) -> tuple[Callable[..., SensitivityTable], tuple[type, ...]]:
+    """Return what finds derivatives of linear models, responses or cycles, and what it keeps."""
     from vehicledyn.analyses.sensitivity.figure_kinds import is_cycle, is_linear
 
     if is_linear(name):
-        from vehicledyn.analyses.sensitivity.linear import find_linear_sensitivity
+        from vehicledyn.analyses.sensitivity import linear
 
-        return find_linear_sensitivity
+        return linear.find_linear_sensitivity, linear.KINDS
     if is_cycle(name):
-        from vehicledyn.analyses.sensitivity.cycles import find_cycle_sensitivity
+        from vehicledyn.analyses.sensitivity import cycles
 
-        return find_cycle_sensitivity
+        return cycles.find_cycle_sensitivity, cycles.KINDS
     from vehicledyn.analyses.sensitivity.responses import find_response_sensitivity
 
-    return find_response_sensitivity
+    return find_response_sensitivity, ()

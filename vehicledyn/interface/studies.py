@@ -61,7 +61,7 @@ def sweep(
     save_to, overwrite, backend, progress
         As for :func:`vehicledyn.simulate`.
     resume
-        Whether to continue the file ``save_to`` where it stopped.
+        Whether to go on with what a killed or stopped study left in ``save_to``.
     workers
         Processes, eight a core at most; one a core if None.
     lanes

@@ -108,7 +108,7 @@ def uncertainty_study(
     save_to, overwrite, progress
         As for :func:`vehicledyn.simulate`.
     resume
-        Whether to go on with a study that was stopped; its runs are kept beside ``save_to``.
+        Whether to go on with what a killed or stopped analysis left beside ``save_to``.
 
     Returns
     -------
@@ -126,15 +126,12 @@ def uncertainty_study(
     from vehicledyn.results.tables.uncertainty_table import write_uncertainty
     from vehicledyn.studies.uncertainty.study import run_uncertainty_study, table_of
 
-    kept = None if save_to is None else Path(f"{save_to}.runs.jsonl")
-    with result_place(save_to, may_exist=overwrite or resume) as place:
-        report, runs = run_uncertainty_study(
+    with result_place(save_to, may_exist=overwrite, resume=resume) as place:
+        report = run_uncertainty_study(
             Path(study),
             override_texts(set, settings),
-            kept=kept,
-            resume=resume,
+            kept=place.kept,
             progress=reporter(progress),
         )
         write_uncertainty(place.path, table_of(report))
-        runs.forget()
         return place.value(report)

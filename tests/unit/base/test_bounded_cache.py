@@ -32,6 +32,7 @@ FILLED = {
     "base/plugins.py:_loaded",
     "base/registry.py:_catalogues",
     "files/expressions/algebra.py:_VECTORS",
+    "results/hdf5/output.py:_lending",  # outputs that are being written
     "studies/block.py:_workers",  # one at most
 }
 

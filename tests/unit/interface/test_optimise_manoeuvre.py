@@ -223,14 +223,14 @@ def test_a_stopped_search_goes_on_from_its_last_iterate(tmp_path):
 
     with pytest.raises(KeyboardInterrupt):
         vd.optimise_manoeuvre(path, save_to=out, progress=stop)
-    kept = tmp_path / "out.h5.iterate.npz"
+    kept = tmp_path / "out.h5.checkpoint"
     assert kept.is_file()
     found = vd.optimise_manoeuvre(path, save_to=out, resume=True)
     assert found.attributes["duration"] == pytest.approx(2.0 * math.sqrt(0.5), rel=1e-7)
     assert any("went on" in note for note in found.notes)
     assert not kept.exists()
-    kept.write_bytes(b"nothing")
-    with pytest.raises(InputError, match="damaged"):
+    kept.write_bytes(bytes(200))
+    with pytest.raises(InputError, match="belongs to another computation"):
         vd.optimise_manoeuvre(path, save_to=out, resume=True)
 
 

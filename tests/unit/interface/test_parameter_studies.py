@@ -95,7 +95,7 @@ def test_parameters_are_found_in_a_file_and_another_experiment_foretold(folder):
     assert json.dumps(found.report.as_dict())
     again = vd.open_result(folder / "out.h5")
     assert (again["parameter_value"].values == value).all()
-    assert not (folder / "out.h5.runs.jsonl").exists()
+    assert not (folder / "out.h5.checkpoint").exists()
 
 
 def test_a_stopped_study_goes_on_to_the_same_result(folder, monkeypatch):
@@ -117,9 +117,11 @@ def test_a_stopped_study_goes_on_to_the_same_result(folder, monkeypatch):
     assert (again["sample"].values == whole["sample"].values).all()
     assert again["mean"].values == pytest.approx(whole["mean"].values, rel=0)
     assert "above 1.05 m" in again.report.as_text()
+    count.clear()
+    with pytest.raises(KeyboardInterrupt):
+        vd.uncertainty_study(folder / "spread.yaml", save_to=folder / "out.h5", overwrite=True)
     (folder / "spread.yaml").write_text(SPREAD.replace("8", "16"), encoding="utf-8")
-    (folder / "out.h5.runs.jsonl").write_text('{"study": "another"}\n', encoding="utf-8")
-    with pytest.raises(InputError, match="another study"):
+    with pytest.raises(InputError, match=r"out\.h5\.checkpoint: belongs to another computation"):
         vd.uncertainty_study(folder / "spread.yaml", save_to=folder / "out.h5", resume=True)
 
 

@@ -14,16 +14,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import NoReturn
+from functools import partial
+from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyse.gradients.motion_slopes import EventSlope, MotionSlopes, Recorder
 from vehicledyn.base.errors import NumericalError
+from vehicledyn.base.step_memory import Memory
 from vehicledyn.integrate.events import EventWatch, Point
 from vehicledyn.kernel.bundle import Bundle, Found
-from vehicledyn.kernel.engine import Ledger, March, Method, Rows, Status, Vector
+from vehicledyn.kernel.engine import Ledger, March, Method, Rows, Sides, Status, Vector
 from vehicledyn.kernel.kernel import Kernel
 from vehicledyn.kernel.tangent_code import Grid, Moment, TangentCode, Way
 
@@ -67,6 +69,7 @@ def follow(
     n_channels: int | None = None,
     progress: Callable[[float], object] | None = None,
     watched: Watched | None = None,
+    memory: Memory | None = None,
 ) -> MotionSlopes:
     """Return a motion and its derivatives.
 
@@ -91,6 +94,8 @@ def follow(
         Called with the part done.
     watched
         Called with the samples as they are found; what it raises ends the run.
+    memory
+        Stretches that are known, of this motion alone, whose results are :data:`KINDS`.
 
     Raises
     ------
@@ -99,27 +104,66 @@ def follow(
     """
     count = len(code.channels) if n_channels is None else n_channels
     run = _Run(Piece(grid.start, kernel, code), grid, start, directions, count)
-    run.watched = watched
     run.expect(later)
-    run.sample()
-    for number in range(0, n_intervals, run.at_once):
+    memory, stretches = memory or Memory(), []
+    for number in range(0, max(n_intervals, 1), run.at_once):
         done = min(number + run.at_once, n_intervals)
-        run.intervals(done - number)
+        stretch = memory.recall_or_raise(
+            "stretch", run.place(done - number), partial(run.stretch, done - number)
+        )
+        run.go_on_behind(stretch)
+        stretches.append(stretch)
+        if watched is not None:
+            for samples in stretch.looks:
+                watched(*samples)
         if run.watch.ended_by:
             break
         if progress is not None:
             progress(done / n_intervals)
-    record = run.record
     return MotionSlopes(
-        np.concatenate(record.times),
-        np.concatenate(record.values),
-        np.concatenate(record.slopes),
+        np.concatenate([stretch.times for stretch in stretches]),
+        np.concatenate([stretch.values for stretch in stretches]),
+        np.concatenate([stretch.slopes for stretch in stretches]),
         run.march.state.copy(),
         run.bundle.state[:, : run.n],
         run.events,
         run.watch.ended_by,
         [piece.time for piece in later],
     )
+
+
+@dataclass(frozen=True)
+class Where:
+    """Where a motion stands: the next step, and what the following ones go on from."""
+
+    step: int
+    state: Vector
+    unknowns: Vector
+    memory: Vector
+    sides: Sides
+    crossed: Vector
+    tangents: Matrix
+    ended_by: str
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """Samples of a part of a motion, what is looked at, events, and where it ends.
+
+    ``n_later`` is the number of changes of the dependent coordinates that are still to come.
+    """
+
+    times: Vector
+    values: Matrix
+    slopes: Matrix
+    looks: tuple[tuple[Vector, Matrix, Matrix], ...]
+    events: tuple[EventSlope, ...]
+    end: Where
+    n_later: int
+
+
+KINDS = (Where, Stretch, EventSlope)
+"""Results of a memory of stretches."""
 
 
 class _Run:
@@ -139,7 +183,6 @@ class _Run:
         by_parameter, by_state = directions
         self.grid, self.n, self._by_parameter = grid, by_state.shape[1], by_parameter
         self.events: list[EventSlope] = []
-        self.watched: Watched | None = None
         self.record = Recorder(n_channels, self.n)
         numbers = max(1, by_state.size)
         self.at_once = max(1, min(_AT_ONCE, _MOST_NUMBERS // numbers))
@@ -189,6 +232,61 @@ class _Run:
                 )
             self._later.append((round(place), piece))
 
+    def place(self, count: int) -> tuple[Any, ...]:
+        """Return what so many intervals from here on depend on beside the motion itself."""
+        return self._where(), count, len(self._later)
+
+    def _where(self) -> Where:
+        march = self.march
+        return Where(
+            march.step,
+            march.state.copy(),
+            march.unknowns.copy(),
+            march.memory.copy(),
+            march.sides.copy(),
+            self.watch.memory,
+            self.bundle.state.copy(),
+            self.watch.ended_by,
+        )
+
+    def stretch(self, count: int) -> Stretch:
+        """Return the samples of the next intervals, and where they end."""
+        record = self.record = Recorder(self.record.n_channels, self.n)
+        before = len(self.events)
+        if self.march.step == 0:
+            self.sample()
+        self.intervals(count)
+        events = tuple(self.events[before:])
+        del self.events[before:]
+        return Stretch(
+            np.concatenate(record.times),
+            np.concatenate(record.values),
+            np.concatenate(record.slopes),
+            tuple(record.looks),
+            events,
+            self._where(),
+            len(self._later),
+        )
+
+    def go_on_behind(self, stretch: Stretch) -> None:
+        """Stand where a stretch has ended."""
+        where = stretch.end
+        while len(self._later) > stretch.n_later:
+            _, piece = self._later.pop(0)
+            self._begin(piece, where.step, (where.state, where.unknowns), where.tangents)
+        self.events += stretch.events
+        self.march.step, self.bundle.state = where.step, where.tangents
+        pairs = (
+            (self.march.state, where.state),
+            (self.march.unknowns, where.unknowns),
+            (self.march.memory, where.memory),
+            (self.march.sides, where.sides),
+        )
+        for own, known in pairs:
+            own[:] = known
+        self.watch.recall(where.crossed)
+        self.watch.ended_by = where.ended_by
+
     def _change(self, piece: Piece) -> None:
         """Go on with other dependent coordinates: the same motion, with other states."""
         point = Point(self.time, self.march.state, self.march.unknowns)
@@ -219,8 +317,9 @@ class _Run:
     def sample(self, moved: Vector | None = None) -> None:
         """Record the channels at the point reached; ``moved`` are the tangents of its time."""
         point = Point(self.time, self.march.state, self.march.unknowns)
-        if self.watched is not None:
-            self.watched(np.array([point.time]), point.state[None], point.unknowns[None])
+        self.record.looks.append(
+            (np.array([point.time]), point.state[None].copy(), point.unknowns[None].copy())
+        )
         self._record(point, moved)
 
     def _record(self, point: Point, moved: Vector | None) -> None:
@@ -244,8 +343,8 @@ class _Run:
             if status not in (Status.SOLVED, Status.EVENT):
                 self._refuse(status, way, before)
             self.march.step += taken
-            if self.watched is not None and len(samples.times):
-                self.watched(*samples[:3])
+            if len(samples.times):
+                self.record.looks.append(samples[:3])
             found = self.bundle.found(samples, self.constants)
             self.record.take(samples.times, found.values, found.value_slopes)
             due -= taken

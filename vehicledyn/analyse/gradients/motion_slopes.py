@@ -49,6 +49,8 @@ class Recorder:
     times: list[Vector] = field(default_factory=list)
     values: list[Matrix] = field(default_factory=list)
     slopes: list[NDArray[np.float64]] = field(default_factory=list)
+    looks: list[tuple[Vector, Matrix, Matrix]] = field(default_factory=list)
+    """Times, states and unknowns of samples."""
 
     def take(self, times: Vector, values: Matrix, slopes: NDArray[np.float64]) -> None:
         """Keep samples: times (n,), values (n, ...) and slopes (n, ..., ...)."""

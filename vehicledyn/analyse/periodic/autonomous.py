@@ -11,8 +11,8 @@ import numpy as np
 
 from vehicledyn.analyse.periodic.autonomous_form import timeless
 from vehicledyn.analyse.periodic.invariance import states_of_motion
-from vehicledyn.analyse.periodic.step_cache import Memory
 from vehicledyn.base.errors import InputError, NumericalError, unknown_name
+from vehicledyn.base.step_memory import Memory
 from vehicledyn.codegen.passes.kernel_functions import operations_in
 from vehicledyn.codegen.toolchain.compiler import CompilationError
 from vehicledyn.kernel.derivatives import TotalDerivatives
@@ -62,7 +62,7 @@ class AutonomousField:
     equations: Equations
     parameter: str
     values: Vector
-    memory: Memory | None = None
+    memory: Memory = field(default_factory=Memory)
     kept: list[int] = field(init=False)
     index: int = field(init=False)
 

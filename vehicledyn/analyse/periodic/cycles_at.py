@@ -53,12 +53,9 @@ def cycle_beside(model: AutonomousField, near: CyclePoint, value: float) -> Cycl
     NumericalError
         If it is not found.
     """
-    if model.memory is None:
-        return _beside(model, near, value)
-    found: CyclePoint = model.memory.recall_or_raise(
+    return model.memory.recall_or_raise(
         "cycle_beside", (near, value), lambda: _beside(model, near, value)
     )
-    return found
 
 
 def _beside(model: AutonomousField, near: CyclePoint, value: float) -> CyclePoint:

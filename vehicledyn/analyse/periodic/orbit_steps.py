@@ -123,9 +123,6 @@ class Steps:
 
         The mesh and the mirror that the step leaves behind are recalled with it.
         """
-        memory = self.model.memory
-        if memory is None:
-            return step(*given)
 
         def compute() -> tuple[Any, ...]:
             result, error = None, ""
@@ -136,7 +133,7 @@ class Steps:
             return result, error, self.age, self.intervals, self.mirror
 
         before = self.limits, self.age, self.intervals, self.mirror
-        result, error, self.age, self.intervals, self.mirror = memory.recall(
+        result, error, self.age, self.intervals, self.mirror = self.model.memory.recall(
             step.__name__, (before, given), compute
         )
         if error:

@@ -4,18 +4,24 @@ from __future__ import annotations
 
 from vehicledyn.analyse.periodic.basis import Basis
 from vehicledyn.analyse.periodic.collocation import Direction
+from vehicledyn.analyse.periodic.critical import Balance
 from vehicledyn.analyse.periodic.cycle_points import CyclePoint
 from vehicledyn.analyse.periodic.floquet import Multipliers
 from vehicledyn.analyse.periodic.mirror_symmetry import Mirror
 from vehicledyn.analyse.periodic.monodromy import Passages
 from vehicledyn.analyse.periodic.orbit import Orbit
-from vehicledyn.analyse.periodic.step_cache import Memory, Store
 from vehicledyn.analyse.settling.settling import Ending
 from vehicledyn.analyse.settling.simulated_cycles import Settled
 
-_KINDS = (Basis, CyclePoint, Direction, Ending, Mirror, Multipliers, Orbit, Passages, Settled)
-
-
-def memory_of_cycles(store: Store) -> Memory:
-    """Return a memory of cycles and simulated motions in a store."""
-    return Memory(store, {kind.__name__: kind for kind in _KINDS})
+CYCLE_KINDS = (
+    Balance,
+    Basis,
+    CyclePoint,
+    Direction,
+    Ending,
+    Mirror,
+    Multipliers,
+    Orbit,
+    Passages,
+    Settled,
+)

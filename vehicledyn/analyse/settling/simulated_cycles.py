@@ -152,13 +152,9 @@ class Runner:
         watched_state: int | None = None,
     ) -> Settled:
         """Return the end of a simulation over some periods; a state may be watched instead."""
-        memory = self.field.memory
         compute = partial(self._window, value, start, periods, watched_state)
-        if memory is None:
-            found = compute()
-        else:
-            given = value, start, periods, watched_state, self.channel
-            found = memory.recall_or_raise("window", given, compute)
+        given = value, start, periods, watched_state, self.channel
+        found = self.field.memory.recall_or_raise("window", given, compute)
         self.spent += found.seconds
         return found
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +26,7 @@ from vehicledyn.rail.profiles.open_profile import open_profile
 from vehicledyn.rail.profiles.profile import Profile
 from vehicledyn.rail.profiles.profile_names import Kind
 from vehicledyn.rail.profiles.profile_reading import AS_IT_IS, ProfileReading
+from vehicledyn.results.hdf5.kept_work import KeptWork
 from vehicledyn.results.tables.contact_table import (
     SIDES,
     ContactColumns,
@@ -66,7 +67,9 @@ class ContactRequest:
     amplitudes: Sequence[float] = tuple(1e-3 * k for k in range(1, 8))
 
 
-def find_contact_geometry(request: ContactRequest, *, progress: Any) -> ContactReport:
+def find_contact_geometry(
+    request: ContactRequest, *, progress: Any, kept: KeptWork | None = None
+) -> ContactReport:
     """Return contact points, rolling radii, angles and conicity.
 
     Parameters
@@ -75,6 +78,8 @@ def find_contact_geometry(request: ContactRequest, *, progress: Any) -> ContactR
         What is asked for.
     progress
         Called with what is being done.
+    kept
+        What is kept of it meanwhile.
 
     Raises
     ------
@@ -95,6 +100,10 @@ def find_contact_geometry(request: ContactRequest, *, progress: Any) -> ContactR
             f"{argument('flange_back')} "
             f"{1e3 * request.flange_back:g} are taken: give what belongs to the gauge, in mm"
         ) from None
+    facts = replace(request, reading=request.reading.model_dump_json())  # type: ignore[arg-type]
+    measured = [profile.measured and profile.measured.points for profile in (*wheels, *rails)]
+    memory = (kept or KeptWork()).memory("profiles", facts, measured, kinds=(Standing, Touch))
+    wheelset = replace(wheelset, memory=memory)
     progress("finding contact points")
     standing, lost = standings(wheelset, request.shifts, request.yaw)
     table = _table(request, wheelset, standing, lost, profiles=(*wheels, *rails), progress=progress)

@@ -2,26 +2,24 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Iterator
 from dataclasses import replace
 
-from vehicledyn.analyses.handling.kept_drives import KeptDrives
 from vehicledyn.analyses.handling.lane_changes import run_lane_changes
 from vehicledyn.analyses.handling.standard_tests import StandardTests
-from vehicledyn.analyses.handling.steady import SteadyWish, steady_sheets
+from vehicledyn.analyses.handling.steady import SteadyWish, memory_of, steady_sheets
 from vehicledyn.analyses.handling.steady_turn import solver_for
 from vehicledyn.analyses.handling.tested_car import CONTROL, TestedCar
 from vehicledyn.analyses.preparation.prepared import Progress
-from vehicledyn.base.version import VERSION
 from vehicledyn.files.scenario.target import Target
 from vehicledyn.kernel.make_kernel import Backend
+from vehicledyn.results.hdf5.kept_work import KeptWork
 from vehicledyn.results.tables.handling_table import HandlingTable, KeyFigure
 from vehicledyn.road.manoeuvres.driving_test import DrivingTest
 
 
 def handling_table(
-    target: Target, *, backend: Backend, progress: Progress, kept: KeptDrives | None = None
+    target: Target, *, backend: Backend, progress: Progress, kept: KeptWork | None = None
 ) -> HandlingTable:
     """Return the key figures and curves of all handling tests of a car.
 
@@ -32,7 +30,7 @@ def handling_table(
     backend, progress
         As for a run.
     kept
-        Where drives are kept as they come, and known from, if anywhere.
+        What is kept of it while it goes.
 
     Raises
     ------
@@ -43,9 +41,7 @@ def handling_table(
     """
     test = DrivingTest(speed_control=CONTROL)
     car = TestedCar(target, backend=backend, progress=progress, test=test)
-    if kept is not None:
-        car.kept = kept
-        kept.begin(_identity(car))
+    car.memory = memory_of(car, kept, "handling")
     progress("finding straight running", None)
     solver = solver_for(car)
     steady = steady_sheets(solver, SteadyWish(limits=False), progress)
@@ -62,12 +58,6 @@ def handling_table(
         figures=[*_conditions(car), *steady.figures, *tests.figures],
         notes=tuple(notes),
     )
-
-
-def _identity(car: TestedCar) -> str:
-    """Return a text that is equal for cars whose tests give the same."""
-    facts = "".join([VERSION, car.digest, repr(car.kernel.parameters.tolist())])
-    return hashlib.sha256(facts.encode()).hexdigest()
 
 
 def _conditions(car: TestedCar) -> Iterator[KeyFigure]:

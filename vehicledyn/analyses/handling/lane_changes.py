@@ -58,7 +58,7 @@ def run_lane_changes(tests: StandardTests, *, backend: Backend) -> None:
 
     first = double(SPEEDS["double_lane_change"][0])
     driven = TestedCar(car.target, backend=backend, progress=tests.progress, test=first)
-    driven.kept = car.kept
+    driven.memory = car.memory
     for name, make in (("double_lane_change", double), ("obstacle_avoidance", avoidance)):
         _until_left(tests, driven, name, make)
     if tests.split_torque is not None and driven.has_slippery_side:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -18,11 +19,15 @@ from vehicledyn.analyses.handling.circle import (
 from vehicledyn.analyses.handling.cornering_modes import CorneringModes
 from vehicledyn.analyses.handling.equal_curvature import equal_curvature_figures
 from vehicledyn.analyses.handling.steady_turn import SteadyTurn, solver_for
-from vehicledyn.analyses.handling.tested_car import CONTROL, TestedCar
+from vehicledyn.analyses.handling.test_run import Drive
+from vehicledyn.analyses.handling.tested_car import CONTROL, CarPoint, TestedCar
 from vehicledyn.analyses.handling.yaw_moment import yaw_moments
+from vehicledyn.analyses.preparation.model_hash import model_facts
 from vehicledyn.analyses.preparation.prepared import Progress
+from vehicledyn.base.step_memory import Memory
 from vehicledyn.files.scenario.target import Target
 from vehicledyn.kernel.make_kernel import Backend
+from vehicledyn.results.hdf5.kept_work import KeptWork
 from vehicledyn.results.tables.handling_table import Column, HandlingTable, KeyFigure, Sheet
 from vehicledyn.road.manoeuvres.driving_test import DrivingTest
 
@@ -51,9 +56,14 @@ class SteadyWish:
 
 
 def steady_table(
-    target: Target, wish: SteadyWish, *, backend: Backend, progress: Progress
+    target: Target,
+    wish: SteadyWish,
+    *,
+    backend: Backend,
+    progress: Progress,
+    kept: KeptWork | None = None,
 ) -> HandlingTable:
-    """Return curves and key figures of a car in steady cornering.
+    """Return curves and key figures of a car in steady cornering, ``kept`` while they are found.
 
     Raises
     ------
@@ -64,8 +74,15 @@ def steady_table(
     """
     test = DrivingTest(speed_control=CONTROL)
     car = TestedCar(target, backend=backend, progress=progress, test=test)
+    car.memory = memory_of(car, kept, "steady", wish)
     progress("finding straight running", None)
     return steady_sheets(solver_for(car), wish, progress)
+
+
+def memory_of(car: TestedCar, kept: KeptWork | None, *wishes: Any) -> Memory:
+    """Return the memory of the turns and drives of a car, for a computation that is wished."""
+    facts = model_facts(car.equations, car.kernel.parameters)
+    return (kept or KeptWork()).memory(wishes, facts, kinds=(CarPoint, Drive))
 
 
 def steady_sheets(solver: SteadyTurn, wish: SteadyWish, progress: Progress) -> HandlingTable:

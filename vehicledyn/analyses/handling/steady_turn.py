@@ -107,6 +107,10 @@ class SteadyTurn:
         NumericalError
             If Newton's method finds none, or if the car changes its gears on and on.
         """
+        given = turn, guess
+        return self.car.memory.recall_or_raise("turn", given, lambda: self._find(turn, guess))
+
+    def _find(self, turn: Turn, guess: CarPoint) -> CarPoint:
         for _ in range(_CHANGES):
             found = self._balance(turn, guess)
             changed = self._switches.settled(found)
@@ -161,6 +165,18 @@ class SteadyTurn:
         most
             Most that the value may grow by.
         """
+        given = before, last, most, [turn(value) for value in (before[0], last[0], last[0] + most)]
+        return self.car.memory.recall(
+            "beyond", given, lambda: self._beyond(turn, before, last, most)
+        )
+
+    def _beyond(
+        self,
+        turn: TurnOf,
+        before: tuple[float, CarPoint],
+        last: tuple[float, CarPoint],
+        most: float,
+    ) -> tuple[float, CarPoint] | None:
         search = _Search(self._equations, turn(last[0]), last[1])
         rows = [np.append(self.unknowns(turn(v), point), v) for v, point in (before, last)]
         scale = np.maximum(np.abs(rows).max(axis=0), LEAST_SIZE)
@@ -193,8 +209,12 @@ class SteadyTurn:
 
     def orientation(self, turn: Turn, point: CarPoint) -> int:
         """Return the sign of the Jacobian's determinant, which changes where a curve comes back."""
-        search = _Search(self._equations, turn, point)
-        return int(np.linalg.slogdet(search.evaluate(self.unknowns(turn, point))[1])[0])
+
+        def sign() -> int:
+            search = _Search(self._equations, turn, point)
+            return int(np.linalg.slogdet(search.evaluate(self.unknowns(turn, point))[1])[0])
+
+        return self.car.memory.recall("orientation", (turn, point), sign)
 
     def unknowns(self, turn: Turn, point: CarPoint) -> Vector:
         """Return the unknowns of the search for a turn at a point, shape (n_unknowns,)."""

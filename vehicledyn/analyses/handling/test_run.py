@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import hashlib
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from vehicledyn.analyses.handling.kept_drives import Drive
 from vehicledyn.analyses.handling.tested_car import CarPoint, TestedCar
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.base.registry import find
@@ -19,6 +17,15 @@ from vehicledyn.road.standards.signals import Signals
 
 INTERVAL, STEP = 0.01, 1e-3
 """Distance of samples and step [s]."""
+
+
+@dataclass(frozen=True)
+class Drive:
+    """Times [s], channels of shape (n_times, n_channels), and what ended the test early."""
+
+    times: np.ndarray
+    outputs: np.ndarray
+    ended_by: str
 
 
 @dataclass(frozen=True)
@@ -80,22 +87,12 @@ def drive(
     car.kernel.set_parameters(start.parameters)
     car.set({**test.settings_for(car.vehicle), **(changes or {})})
     whole = round(duration / INTERVAL) * INTERVAL
-    key = _key(car, start, whole)
-    driven = car.kept.recall(key)
-    if driven is None:
-        driven = _driven(car, start, whole)
-        car.kept.keep(key, driven)
+    given = car.digest, car.kernel.parameters, start.state, start.unknowns, whole
+    driven = car.memory.recall("drive", given, lambda: _driven(car, start, whole))
     channels = {name: driven.outputs[:, k] for name, k in car.channel.items()}
     recording = Recording(driven.times, channels)
     signals = Signals.of(driven.times, channels, car.vehicle.chassis)
     return DrivenTest(test, recording, signals, driven.ended_by)
-
-
-def _key(car: TestedCar, start: CarPoint, duration: float) -> bytes:
-    """Return what tells a drive apart: equations, parameters, start and duration."""
-    numbers = (car.kernel.parameters, start.state, start.unknowns, np.array([duration]))
-    parts = (car.digest.encode(), *(values.tobytes() for values in numbers))
-    return hashlib.sha256(b"".join(parts)).digest()
 
 
 def _driven(car: TestedCar, start: CarPoint, duration: float) -> Drive:

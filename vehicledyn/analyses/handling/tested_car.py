@@ -15,12 +15,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.analyses.handling.kept_drives import KeptDrives
 from vehicledyn.analyses.preparation.build_model import build_tested
 from vehicledyn.analyses.preparation.prepare import equilibrium_point, prepare
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress
 from vehicledyn.analyses.preparation.road_runnable import RoadSubject
 from vehicledyn.base.errors import InputError
+from vehicledyn.base.step_memory import Memory
 from vehicledyn.codegen.toolchain.fingerprint import fingerprint
 from vehicledyn.files.scenario.target import Target
 from vehicledyn.kernel.engine import Ledger
@@ -87,7 +87,7 @@ class TestedCar:
         self.kernel, self.equations = self.prepared.kernel, self.prepared.equations
         self.has_slippery_side = _feel_friction(self.prepared.subject)  # type: ignore[arg-type]
         self.control = CONTROL
-        self.kept = KeptDrives(None, resume=False)
+        self.memory = Memory()
         self._places = {p.name: k for k, p in enumerate(self.equations.parameters)}
         self._states = {s.name: k for k, s in enumerate(self.equations.states)}
         self.channel = {c.name: k for k, c in enumerate(self.equations.channels)}

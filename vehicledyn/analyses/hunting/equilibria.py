@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -70,7 +70,10 @@ class Equilibria:
         for k, value in enumerate(values):
             told("following the equilibrium", k / len(values))
             if self.balances:
-                state, unknowns = ahead(self.model, self.balances[-1], float(value))
+                before = self.balances[-1]
+                state, unknowns = self.model.memory.recall(
+                    "ahead", (before, value), partial(ahead, self.model, before, value)
+                )
             try:
                 found = self.at(float(value), state, unknowns)
             except NumericalError as error:
@@ -87,7 +90,11 @@ class Equilibria:
         """Return the equilibrium at a value, near states and unknowns or that of the start."""
         if self.balances and self._starts_count:
             state, unknowns = self._start_at(value)
-        return find_balance(self.model, value, state, unknowns)
+        return self.model.memory.recall_or_raise(
+            "balance",
+            (value, state, unknowns),
+            partial(find_balance, self.model, value, state, unknowns),
+        )
 
     @property
     def hopfs(self) -> list[Hopf]:
@@ -122,10 +129,12 @@ class Equilibria:
         return self._known[value]
 
     def _start_at(self, value: float) -> tuple[Vector, Vector]:
-        prepared, target = self._prepared_at(value), self.starts.target
-        scenario = target.choices
-        point = balanced_point(prepared, self.starts.name, value, scenario, self.model)
-        return self.model.reduced(point.state), point.unknowns
+        def found() -> tuple[Vector, Vector]:
+            prepared, scenario = self._prepared_at(value), self.starts.target.choices
+            point = balanced_point(prepared, self.starts.name, value, scenario, self.model)
+            return self.model.reduced(point.state), point.unknowns
+
+        return self.model.memory.recall_or_raise("start", value, found)
 
     def _refuse_idle_parameter(self) -> None:
         """Refuse a parameter that changes neither the equations nor which motion is steady."""

@@ -5,17 +5,19 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
+from vehicledyn.analyse.settling.cached_types import CYCLE_KINDS
 from vehicledyn.analyses.hunting.refusals import check_subject
 from vehicledyn.analyses.hunting.report import HuntReport
-from vehicledyn.analyses.hunting.saving import Saving, finished, identity_of
+from vehicledyn.analyses.hunting.saving import Saving, finished
 from vehicledyn.analyses.hunting.start import HuntSettings, check_settings
 from vehicledyn.analyses.hunting.study import Study
 from vehicledyn.analyses.hunting.undisturbed import without_disturbances
+from vehicledyn.analyses.preparation.model_hash import model_facts
 from vehicledyn.analyses.preparation.prepare import prepare
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.files.scenario.target import Target
 from vehicledyn.kernel.make_kernel import Backend
-from vehicledyn.results.hdf5.output import check_output
+from vehicledyn.results.hdf5.kept_work import KeptWork, identity_of
 
 
 def find_limit_cycles(
@@ -23,9 +25,9 @@ def find_limit_cycles(
     settings: HuntSettings,
     *,
     backend: Backend,
-    output: Path | None = None,
     progress: Progress,
-    resume: bool = False,
+    output: Path | None = None,
+    kept: KeptWork | None = None,
 ) -> HuntReport:
     """Return where a motion begins to oscillate and the limit cycles along a parameter.
 
@@ -38,10 +40,9 @@ def find_limit_cycles(
     backend, progress
         As for a run.
     output
-        Result file to write.
-    resume
-        Whether to go on with what a killed study left beside the output; the result is the same
-        as without the kill.
+        Result file to write, also while the study goes.
+    kept
+        What is kept beside it.
 
     Raises
     ------
@@ -50,8 +51,7 @@ def find_limit_cycles(
     NumericalError
         If there is no equilibrium at the first value.
     """
-    if output is not None:
-        check_output(output)
+    kept = kept or KeptWork()
     check_settings(settings)
     target, remarks = without_disturbances(target, settings)
     prepared = prepare(
@@ -62,20 +62,20 @@ def find_limit_cycles(
         varies_states=True,
         evaluations=math.inf,
     )
-    identity = "" if output is None else identity_of(prepared, settings)
-    before = finished(output, identity) if output is not None and resume else None
+    facts = model_facts(prepared.equations, prepared.kernel.parameters), settings
+    identity = identity_of(*facts)
+    before = finished(output, identity) if output is not None and kept.resume else None
     if before is not None:
         words = f"{output}: is finished; nothing was left to do"
         return HuntReport(before, (words,))
     study = Study.of(prepared, target, settings, progress)
     study.messages += remarks
-    if output is None:
-        study.examine()
-        table = study.table()
-    else:
-        with Saving(output, identity, resume=resume) as saving:
-            study.keep_in(saving)
-            study.examine()
-            table = study.table()
-            saving.finish(table)
+    study.model.memory = kept.memory(*facts, kinds=CYCLE_KINDS)
+    saving = None if output is None else Saving(output, identity, kept)
+    if saving is not None:
+        study.write_to(saving)
+    study.examine()
+    table = study.table()
+    if saving is not None:
+        saving.write(table)
     return HuntReport(table, tuple(study.messages))

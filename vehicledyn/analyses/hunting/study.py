@@ -16,7 +16,6 @@ from vehicledyn.analyse.periodic.critical import Balance, Divergence, Hopf
 from vehicledyn.analyse.periodic.cycle_points import Branch, CyclePoint, Limits
 from vehicledyn.analyse.periodic.orbit import Orbit
 from vehicledyn.analyse.periodic.outside_range import outer_range
-from vehicledyn.analyse.settling.cached_types import memory_of_cycles
 from vehicledyn.analyse.settling.simulated_cycles import Runner, Settled, leading
 from vehicledyn.analyses.hunting.branch_matching import Legs
 from vehicledyn.analyses.hunting.branches_from_simulation import FromSimulations
@@ -121,9 +120,8 @@ class Study:
         """The parameter's unit."""
         return self.prepared.equations.parameters[self.model.index].unit
 
-    def keep_in(self, saving: Saving) -> None:
-        """Write what is found while it is, and recall what was found before a kill."""
-        self.model.memory = memory_of_cycles(saving.checkpoint)
+    def write_to(self, saving: Saving) -> None:
+        """Write what is found while it is."""
         told = self.progress
 
         def progress(what: str, part: float | None) -> None:

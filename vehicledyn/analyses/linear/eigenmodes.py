@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from vehicledyn.analyse.linearise import Linearisation, linearise
 from vehicledyn.analyse.modes import Mode, eigenmodes
 from vehicledyn.analyse.small_motions import varied_states
 from vehicledyn.analyses.linear.mode_report import ModesAtSpeed, ModesReport
+from vehicledyn.analyses.preparation.model_hash import model_facts
 from vehicledyn.analyses.preparation.own_speed import at_speed, refuse_idle_speed, speed_matters
 from vehicledyn.analyses.preparation.prepare import Start, prepare, reference_start, start_point
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress
@@ -23,11 +25,13 @@ from vehicledyn.base.units import shown
 from vehicledyn.files.scenario.sets import Scenario
 from vehicledyn.files.scenario.target import Target
 from vehicledyn.kernel.make_kernel import Backend
+from vehicledyn.results.hdf5.kept_work import KeptWork
 from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.results.tables.mode_table import ModeCase, ModeTable
 
 __all__ = ["ModesAtSpeed", "ModesReport", "find_modes"]
 
+_KINDS = ModesAtSpeed, Mode, Linearisation
 _EQUAL = 1e-6
 """Part by which two participations may differ and count as equal [1]."""
 
@@ -39,6 +43,7 @@ def find_modes(
     start: Start | None = None,
     backend: Backend,
     progress: Progress,
+    kept: KeptWork | None = None,
 ) -> ModesReport:
     """Return the modes of a vehicle about its steady motion straight ahead, or of a system.
 
@@ -57,6 +62,8 @@ def find_modes(
         None for the usual one.
     backend, progress
         As for a run.
+    kept
+        What is kept while they are found.
 
     Raises
     ------
@@ -71,6 +78,7 @@ def find_modes(
     table = ModeTable("", "", (), (), (), ())
     has_speed = True
     before: Target | None = None
+    memory = (kept or KeptWork()).memory("eig", list(speeds), kinds=_KINDS)
     for setting, variant, speed in _cases(variants, speeds):
         if variant is not before:
             prepared = prepare(
@@ -88,7 +96,11 @@ def find_modes(
         has_speed = speed_matters(prepared.subject)
         place = f" at {shown(speed, 'm/s')}" if has_speed else ""
         progress(f"linearising{place}", None)
-        entry, linear = _modes_at(prepared, speed, start, variant.choices)
+        entry, linear = memory.recall_or_raise(
+            "modes",
+            (model_facts(prepared.equations, prepared.kernel.parameters), speed, start),
+            partial(_modes_at, prepared, speed, start, variant.choices),
+        )
         found.append(replace(entry, setting=setting))
         cases.append(_case(table, found[-1], linear))
     whole = replace(table, cases=tuple(cases))

@@ -61,7 +61,7 @@ def inverse_dynamics(
     kernel = compile_kernel(inverse.equations, backend=backend)
     instants = np.atleast_1d(np.asarray(times, dtype=float))
     motion = [_table(item, len(instants)) for item in (positions, rates, accelerations)]
-    rows = list(channel_rows(inverse, kernel, instants, motion))
+    rows = [row for row, _ in channel_rows(inverse, kernel, instants, motion)]
     columns = np.array(rows).reshape(len(instants), len(inverse.equations.channels)).T
     names = [channel.name for channel in inverse.equations.channels]
     return dict(zip(names, columns, strict=True))
@@ -72,8 +72,9 @@ def channel_rows(
     kernel: Kernel,
     times: Array,
     motion: Sequence[Array],
-) -> Iterator[Array]:
-    """Yield the values of all channels at one time after the other, shape (n_channels,).
+    unknowns: Array | None = None,
+) -> Iterator[tuple[Array, Array]]:
+    """Yield the values of all channels at one time after the other, and the unknowns there.
 
     Parameters
     ----------
@@ -84,17 +85,20 @@ def channel_rows(
     motion
         Positions, rates and accelerations of the prescribed coordinates, each of shape
         (n_times, n_coordinates) in SI.
+    unknowns
+        Those from which the first loops are closed; their start if None.
 
     Raises
     ------
     NumericalError
         If a loop cannot be closed; names it and the time.
     """
-    unknowns = np.array([variable.start for variable in inverse.equations.unknowns])
+    if unknowns is None:
+        unknowns = np.array([variable.start for variable in inverse.equations.unknowns])
     for k, time in enumerate(times):
         state = inverse.state(*(table[k] for table in motion))
         unknowns = assemble(kernel, float(time), state, unknowns)
-        yield kernel.outputs(float(time), state, unknowns)
+        yield kernel.outputs(float(time), state, unknowns), unknowns
 
 
 def _table(values: ArrayLike, n_times: int) -> Array:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any, cast
 
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.analyses.mechanism.inverse import channel_rows
 from vehicledyn.analyses.preparation.build_model import build_subject
+from vehicledyn.analyses.preparation.model_hash import model_facts
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.analyses.preparation.prescribed_motion import LawMotion, Motion, read_table
 from vehicledyn.base.argument_names import argument
@@ -19,6 +21,7 @@ from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.base.units import shown
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.files.system.read import SystemModel
+from vehicledyn.kernel.kernel import Kernel
 from vehicledyn.kernel.make_kernel import Backend, compile_kernel
 from vehicledyn.multibody.equations.inverse_dynamics import (
     PRESCRIBED,
@@ -26,6 +29,7 @@ from vehicledyn.multibody.equations.inverse_dynamics import (
     derive_inverse,
 )
 from vehicledyn.multibody.model.system import System
+from vehicledyn.results.hdf5.kept_work import KeptWork
 from vehicledyn.results.hdf5.output import check_output
 from vehicledyn.results.store.layout import ResultHeader, SummaryEntry
 from vehicledyn.results.store.writer import ResultWriter
@@ -75,6 +79,7 @@ def find_forces(
     output: Path,
     backend: Backend,
     progress: Progress,
+    kept: KeptWork | None = None,
 ) -> InverseReport:
     """Find the forces that the motion of a scenario needs; write the result file.
 
@@ -91,6 +96,8 @@ def find_forces(
         Result file; it is checked before anything is computed.
     backend, progress
         As for a run.
+    kept
+        What is kept of it meanwhile.
 
     Raises
     ------
@@ -116,7 +123,10 @@ def find_forces(
     kernel = compile_kernel(inverse.equations, backend=backend, progress=progress)
     book = _Columns.of(inverse)
     report = InverseReport(output)
+    facts = model_facts(inverse.equations, kernel.parameters)
+    memory = (kept or KeptWork()).memory("inverse", facts, times, tables)
     found: list[Array] = []
+    unknowns: Array | None = None
     with ResultWriter(
         output,
         channels=book.channels,
@@ -125,28 +135,47 @@ def find_forces(
     ) as writer:
         message = ""
         try:
-            rows = channel_rows(inverse, kernel, times, tables)
-            for number, row in enumerate(rows):
-                found.append(book.complete(row))
-                if len(found) % _CHUNK == 0:
-                    writer.append(
-                        times[number + 1 - _CHUNK : number + 1], np.array(found[-_CHUNK:])
-                    )
-                    progress("finding the forces", number / len(times))
+            for first in range(0, len(times), _CHUNK):
+                part = slice(first, first + _CHUNK)
+                given = times[part], [table[part] for table in tables], unknowns
+                rows, unknowns, message = memory.recall(
+                    "rows", (first, unknowns), partial(_rows, inverse, kernel, *given)
+                )
+                found += [book.complete(row) for row in rows]
+                if len(found) > first:
+                    writer.append(times[first : len(found)], np.array(found[first:]))
+                progress("finding the forces", len(found) / len(times))
+                if message:
+                    raise NumericalError(message)
         except NumericalError as error:
             report.status, message = "failed", str(error)
         except KeyboardInterrupt:
             report.status, message = "interrupted", "stopped by the user"
         report.samples = len(found)
-        rest = len(found) % _CHUNK
-        if rest:
-            writer.append(times[len(found) - rest : len(found)], np.array(found[-rest:]))
         if found:
             report.summary = list(book.summary(times[: len(found)], np.array(found)))
         writer.close(report.status, message, summary=report.summary)
     if message:
         report.messages.append(f"{message}; the partial result is kept in {output}")
     return report
+
+
+def _rows(
+    inverse: InverseDynamics,
+    kernel: Kernel,
+    times: Array,
+    tables: list[Array],
+    unknowns: Array | None,
+) -> tuple[list[Array], Array | None, str]:
+    """Return the channels at some times, the last unknowns, and why there are no more."""
+    rows: list[Array] = []
+    try:
+        for row, known in channel_rows(inverse, kernel, times, tables, unknowns):
+            rows.append(row)
+            unknowns = known
+    except NumericalError as error:
+        return rows, unknowns, str(error)
+    return rows, unknowns, ""
 
 
 def _prepared(

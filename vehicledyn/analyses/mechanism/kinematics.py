@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.analyse.continuation import SingularPlace, Way
 from vehicledyn.analyses.mechanism.axle_characteristics import axle_columns
 from vehicledyn.analyses.mechanism.instant_axes import (
     WheelColumns,
@@ -30,12 +31,14 @@ from vehicledyn.analyses.mechanism.mechanism_path import (
 )
 from vehicledyn.analyses.preparation.build_model import build_subject
 from vehicledyn.analyses.preparation.prepared import Progress
+from vehicledyn.analyses.preparation.target_digest import digests_to_keep
 from vehicledyn.base.argument_names import argument, given
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.ranges import read_range
 from vehicledyn.files.scenario.target import Target
 from vehicledyn.multibody.elements.wheel_angles import WheelAngles
 from vehicledyn.multibody.loops.position_level import Positions
+from vehicledyn.results.hdf5.kept_work import KeptWork
 from vehicledyn.results.hdf5.output import check_output
 from vehicledyn.results.store.layout import Axis, ResultHeader, SummaryEntry
 from vehicledyn.results.store.writer import ResultWriter
@@ -63,7 +66,12 @@ class Request:
 
 
 def sweep_kinematics(
-    target: Target, request: Request, *, output: Path, progress: Progress
+    target: Target,
+    request: Request,
+    *,
+    output: Path,
+    progress: Progress,
+    kept: KeptWork | None = None,
 ) -> KinematicsReport:
     """Sweep a system and write the result file.
 
@@ -77,6 +85,8 @@ def sweep_kinematics(
         Result file; checked before anything is computed.
     progress
         Called with what is going on.
+    kept
+        What is kept of it meanwhile.
 
     Raises
     ------
@@ -95,7 +105,10 @@ def sweep_kinematics(
     sensors = [part for part in system.parts if isinstance(part, WheelAngles)]
     book = _Columns(machine, _wheels(sensors, positions), [s.name for s in sensors])
     shown = book.shown(request.columns)
-    swept = run_sweep(machine, drives, together=request.together, progress=progress)
+    kept = kept or KeptWork()
+    facts = "kinematics", digests_to_keep(kept, [target]), request
+    memory = kept.memory(*facts, kinds=(Way, SingularPlace))
+    swept = run_sweep(machine, drives, together=request.together, progress=progress, memory=memory)
     files = _Files(target, system.name, output, _left_out(positions))
     return files.write(book, swept, shown)
 

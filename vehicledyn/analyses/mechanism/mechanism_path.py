@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from itertools import product
 
 import numpy as np
@@ -20,6 +21,7 @@ from vehicledyn.analyse.continuation import (
     tangents,
 )
 from vehicledyn.base.errors import InputError, unknown_name
+from vehicledyn.base.step_memory import Memory
 from vehicledyn.base.units import shown
 from vehicledyn.multibody.loops.position_level import Positions
 
@@ -87,6 +89,9 @@ class Mechanism:
         sizes = np.abs(direction)
         names = [self.positions.coordinates[k].name for k in self.moving]
         return [n for n, s in zip(names, sizes, strict=True) if s >= _NAMED * sizes.max()]
+
+
+_Seen = tuple[Array, Array | None]
 
 
 @dataclass(frozen=True)
@@ -217,6 +222,7 @@ def run_sweep(
     *,
     together: bool,
     progress: Progress = lambda text, part: None,
+    memory: Memory | None = None,
 ) -> Sweep:
     """Return the places of a sweep, from the one nearest the start outwards.
 
@@ -231,24 +237,32 @@ def run_sweep(
         all combinations.
     progress
         Called with the part that is done.
+    memory
+        Places that are known.
     """
-    return _Explorer(machine, drives, together, progress).go()
+    return _Explorer(machine, drives, together, progress, memory or Memory()).go()
 
 
 class _Explorer:
     """Reaches the places of a grid from each other, nearest to the start first."""
 
     def __init__(
-        self, machine: Mechanism, drives: Sequence[Drive], together: bool, progress: Progress
+        self,
+        machine: Mechanism,
+        drives: Sequence[Drive],
+        together: bool,
+        progress: Progress,
+        memory: Memory,
     ) -> None:
         self.machine, self.equations, self.progress = machine, machine.equations, progress
-        self.together = together
+        self.together, self.memory = together, memory
         self.drives = drives
         self.shape = (len(drives[0].values),) if together else tuple(len(d.values) for d in drives)
         self.found = Sweep()
         self.solved: dict[tuple[int, ...], Array] = {}
         self.headings: dict[tuple[int, ...], tuple[Array, Array]] = {}
         self.failed: dict[tuple[int, ...], Finding] = {}
+        self.seen: dict[tuple[int, ...], _Seen] = {}
 
     def go(self) -> Sweep:
         """Return what was reached; an interrupt leaves it as it is."""
@@ -313,17 +327,25 @@ class _Explorer:
     ) -> bool:
         """Go from one place to another; note what is met on the way."""
         first, last = self.machine.targets(before), self.machine.targets(self._values(index))
-        way = follow(self.equations, here, first, last, self._heading(origin, last - first))
+        given = here, first, last, self._heading(origin, last - first)
+        way, seen = self.memory.recall("way", given, partial(self._followed, *given))
         for place in way.passed:
             finding = self._finding(place, first, last)
             self.found.singular.append(finding)
-        if way.reached < 1.0:
+        if seen is None:
             self.failed.setdefault(index, self._failure(index, way, first, last))
             return False
-        self.solved[index] = way.unknowns
+        self.solved[index], self.seen[index] = way.unknowns, seen
         if way.heading is not None:
             self.headings[index] = last - first, way.heading
         return True
+
+    def _followed(
+        self, here: Array, first: Array, last: Array, heading: Array | None
+    ) -> tuple[Way, _Seen | None]:
+        """Return the way to a place and what is seen there, None if it is not reached."""
+        way = follow(self.equations, here, first, last, heading)
+        return way, None if way.reached < 1.0 else self._seen(way.unknowns)
 
     def _heading(self, origin: tuple[int, ...] | None, move: Array) -> Array | None:
         """Return where the unknowns were going when they came to a place, for a move like that."""
@@ -361,18 +383,23 @@ class _Explorer:
         )
 
     def _sample(self, index: tuple[int, ...]) -> Sample:
-        m, p, u = self.machine, self.machine.positions, self.solved[index]
+        values, ratios = self.seen[index]
+        if ratios is None:
+            self._note_singular(self.solved[index])
+            width = len(values) + len(self.machine.positions.speeds)
+            ratios = np.full((len(self.machine.drives), width), np.nan)
+        return Sample(index, self.machine.full(self.solved[index]), values, ratios)
+
+    def _seen(self, u: Array) -> _Seen:
+        """Return all channels at a place, and the velocity ratios, None where it is singular."""
+        m, p = self.machine, self.machine.positions
         q = m.full(u)
         moves = np.eye(m.gaps + len(m.drives))[:, m.gaps :]
         motion = tangents(self.equations, u, moves)
-        width = len(p.channels) + len(p.speeds)
         if motion is None:
-            self._note_singular(u)
-            ratios = np.full((len(m.drives), width), np.nan)
-        else:
-            slopes = np.vstack([p.slopes(q), p.speed_slopes(q)])[:, list(m.moving)]
-            ratios = (slopes @ motion).T
-        return Sample(index, q, p.values(q), ratios)
+            return p.values(q), None
+        slopes = np.vstack([p.slopes(q), p.speed_slopes(q)])[:, list(m.moving)]
+        return p.values(q), (slopes @ motion).T
 
     def _note_singular(self, u: Array) -> None:
         direction = singular_direction(self.equations, u)

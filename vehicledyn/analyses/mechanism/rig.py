@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +18,9 @@ from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.base.argument_names import argument
 from vehicledyn.base.errors import InputError, NumericalError, unknown_name
 from vehicledyn.base.ranges import read_range
+from vehicledyn.base.step_memory import Memory
 from vehicledyn.files.scenario.target import Target
+from vehicledyn.results.hdf5.kept_work import KeptWork
 from vehicledyn.results.hdf5.output import check_output
 from vehicledyn.results.store.layout import Axis, ResultHeader, SummaryEntry
 from vehicledyn.results.store.writer import ResultWriter
@@ -40,7 +43,14 @@ class RigRequest:
     steering: str | None = None
 
 
-def run_rig(target: Target, request: RigRequest, *, output: Path, progress: Progress) -> RigReport:
+def run_rig(
+    target: Target,
+    request: RigRequest,
+    *,
+    output: Path,
+    progress: Progress,
+    kept: KeptWork | None = None,
+) -> RigReport:
     """Put an axle on the rig and write the result file.
 
     Parameters
@@ -53,6 +63,8 @@ def run_rig(target: Target, request: RigRequest, *, output: Path, progress: Prog
         Result file; checked before anything is computed.
     progress
         Called with what is going on and the part done.
+    kept
+        What is kept of it meanwhile.
 
     Raises
     ------
@@ -70,7 +82,8 @@ def run_rig(target: Target, request: RigRequest, *, output: Path, progress: Prog
     bench = Bench(target, request.steering)
     _refuse(bench, request.test, target)
     bench.lift(request.travel)
-    swept = _swept(bench, test, values, progress)
+    memory = (kept or KeptWork()).memory("rig", request, bench.facts)
+    swept = _swept(bench, test, values, progress, memory)
     return _write(target, request.test, bench, swept, output)
 
 
@@ -92,7 +105,9 @@ def _refuse(bench: Bench, name: str, target: Target) -> None:
         )
 
 
-def _swept(bench: Bench, test: RigTest, values: Array, progress: Progress) -> tuple[Array, str]:
+def _swept(
+    bench: Bench, test: RigTest, values: Array, progress: Progress, memory: Memory
+) -> tuple[Array, str]:
     """Return rows of the control and all quantities, and where the way out ended before.
 
     Two ways lead out from the value nearest to zero, so that each place is followed from its
@@ -105,7 +120,10 @@ def _swept(bench: Bench, test: RigTest, values: Array, progress: Progress) -> tu
         bench.restart()
         for k in way:
             try:
-                rows[k] = _row(bench, test, float(values[k]))
+                value, place = float(values[k]), bench.place
+                rows[k], bench.place = memory.recall_or_raise(
+                    "place", (value, place), partial(_row_and_place, bench, test, value)
+                )
             except NumericalError as error:
                 if not rows:
                     raise
@@ -113,6 +131,11 @@ def _swept(bench: Bench, test: RigTest, values: Array, progress: Progress) -> tu
                 break
             progress("on the rig", len(rows) / len(values))
     return np.array([rows[k] for k in sorted(rows)]), failure
+
+
+def _row_and_place(bench: Bench, test: RigTest, value: float) -> tuple[Array, tuple[Array, Array]]:
+    """Return a row, and the place from which the next one is followed."""
+    return _row(bench, test, value), bench.place
 
 
 def _row(bench: Bench, test: RigTest, value: float) -> Array:

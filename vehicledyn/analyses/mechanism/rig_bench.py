@@ -10,11 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyses.preparation.build_model import build_subject
+from vehicledyn.analyses.preparation.model_hash import model_facts
 from vehicledyn.analyses.preparation.prepare import BALANCE_TOLERANCE
 from vehicledyn.analyses.preparation.runnable import start_values
 from vehicledyn.base.errors import InputError, unknown_name
@@ -102,6 +104,8 @@ class Bench:
         y of the contact points in the design position [m].
     lengths
         Channels of the lengths of springs and dampers.
+    place
+        States and unknowns at the place asked for last.
     """
 
     def __init__(self, target: Target, steering: str | None) -> None:
@@ -139,21 +143,26 @@ class Bench:
         self._names = [p.name for p in self._equations.parameters]
         self.channels = {c.name: c for c in self._equations.channels}
         e = self._equations
-        self._state = start_values(e)
-        self._state[list(e.velocities)] = 0.0
+        state = start_values(e)
+        state[list(e.velocities)] = 0.0
         moving = {*e.positions, *e.velocities}
         further = [k for k in range(len(e.states)) if k not in moving]
         self._free, self._balanced = [*e.positions, *further], [*e.velocities, *further]
-        self._unknowns = np.array([u.start for u in self._equations.unknowns])
+        self.place = state, np.array([u.start for u in self._equations.unknowns])
         self._lift = 0.0
         self.lengths = tuple(
             c.name for c in self._equations.channels if c.unit == "m" and c.name.endswith(".length")
         )
-        self._begin = self._state.copy(), self._unknowns.copy()
+        self._begin = self.place
+
+    @property
+    def facts(self) -> tuple[Any, ...]:
+        """What distinguishes this axle from others."""
+        return model_facts(self._equations, [p.value for p in self._equations.parameters])
 
     def restart(self) -> None:
         """Follow the next place from the design position."""
-        self._state, self._unknowns = (values.copy() for values in self._begin)
+        self.place = self._begin
 
     def lift(self, travel: float) -> None:
         """Lift all wheels at every place beside what is asked for [m]."""
@@ -192,14 +201,14 @@ class Bench:
             self._equations,
             self._kernel,
             time=0.0,
-            state=self._state,
-            unknowns=self._unknowns,
+            state=self.place[0].copy(),
+            unknowns=self.place[1].copy(),
             free=self._free,
             balanced=self._balanced,
             tolerance=BALANCE_TOLERANCE,
             derivatives=self._derivatives,
         )
-        self._state, self._unknowns = found.state, found.unknowns
+        self.place = found.state, found.unknowns
         outputs = self._kernel.outputs(0.0, found.state, found.unknowns)
         return dict(zip(self.channels, map(float, outputs), strict=True))
 

@@ -5,15 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.analyse.periodic.collocation import Direction
 from vehicledyn.analyse.periodic.cycle_points import CyclePoint, moved
 from vehicledyn.analyse.periodic.cycles_at import cycle_beside, points_beside
 from vehicledyn.analyse.periodic.fine_orbits import FineOrbits
 from vehicledyn.analyse.periodic.orbit import Orbit
-from vehicledyn.analyse.periodic.orbit_slopes import ParameterSlopes, orbit_slopes
+from vehicledyn.analyse.periodic.orbit_slopes import OrbitSlopes, ParameterSlopes, orbit_slopes
+from vehicledyn.analyse.settling.cached_types import CYCLE_KINDS
 from vehicledyn.analyses.hunting.critical_values import lowest_stable
 from vehicledyn.analyses.hunting.refusals import check_subject
 from vehicledyn.analyses.hunting.start import SPEED, HuntSettings
@@ -30,6 +33,7 @@ from vehicledyn.analyses.sensitivity.figure_kinds import (
 )
 from vehicledyn.analyses.sensitivity.names import directions
 from vehicledyn.base.errors import InputError, NumericalError, unknown_name
+from vehicledyn.base.step_memory import Memory
 from vehicledyn.files.scenario.target import Target
 from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.results.tables.sensitivity_table import SensitivityTable
@@ -48,6 +52,10 @@ _CONVERGED, _TOLERATED = 1e-7, 1e-4
 above which a note says so."""
 
 
+KINDS = *CYCLE_KINDS, OrbitSlopes
+"""Results of steps that a memory knows."""
+
+
 @dataclass(frozen=True)
 class _Asked:
     """A name, its kind and the index of its channel."""
@@ -58,7 +66,13 @@ class _Asked:
 
 
 def find_cycle_sensitivity(
-    target: Target, of: Sequence[str], to: Sequence[str], speed: float | None, progress: Progress
+    target: Target,
+    of: Sequence[str],
+    to: Sequence[str],
+    speed: float | None,
+    progress: Progress,
+    *,
+    memory: Memory,
 ) -> SensitivityTable:
     """Return derivatives of limit cycles at a speed, or of the lowest speed that has stable ones.
 
@@ -76,6 +90,8 @@ def find_cycle_sensitivity(
         Forward speed [m/s] of the cycles, and where the search begins; the target's own if None.
     progress
         Called with what is going on.
+    memory
+        Knows results of :data:`KINDS`.
 
     Raises
     ------
@@ -92,7 +108,7 @@ def find_cycle_sensitivity(
     if value is None or not value > 0.0:
         raise InputError("limit cycles need a speed above zero; give one")
     low, high = (part * value for part in _BESIDE)
-    found = _Cycles.of(target, low, high, progress)
+    found = _Cycles.of(target, (low, high), progress, memory)
     e = found.study.prepared.equations
     asked = [_parsed(name, e) for name in of]
     chosen = directions(e, found.study.model.parameters(value), found.start, to)
@@ -121,12 +137,15 @@ class _Cycles:
     target: Target
     study: Study
     progress: Progress
+    memory: Memory
     notes: list[str]
 
     @staticmethod
-    def of(target: Target, low: float, high: float, progress: Progress) -> _Cycles:
+    def of(
+        target: Target, span: tuple[float, float], progress: Progress, memory: Memory
+    ) -> _Cycles:
         """Return the study of a range of speeds [m/s], equilibria alone."""
-        settings = HuntSettings(SPEED, low, high, simulate=False)
+        settings = HuntSettings(SPEED, *span, simulate=False)
         target, remarks = without_disturbances(target, settings)
         prepared = prepare(
             target,
@@ -137,7 +156,8 @@ class _Cycles:
             evaluations=math.inf,
         )
         study = Study.of(prepared, target, settings, progress)
-        return _Cycles(target, study, progress, list(remarks))
+        study.model.memory = memory
+        return _Cycles(target, study, progress, memory, list(remarks))
 
     @property
     def start(self) -> Floats:
@@ -192,6 +212,7 @@ class _Cycles:
         low, high = _BELOW * min(hopfs), _ABOVE * min(hopfs)
         settings = HuntSettings(SPEED, low, high, simulate=False)
         wide = Study.of(study.prepared, self.target, settings, self.progress)
+        wide.model.memory = self.memory
         wide.examine()
         self.notes += wide.messages
         self.study = wide
@@ -219,9 +240,9 @@ class _Cycles:
         values = slopes.field.values[slopes.which]
         before: CycleFigures | None = None
         while True:
-            fine = orbits.at(orbit)
-            orbit = fine.found.orbit
-            figures = CycleFigures(slopes, orbit, orbit_slopes(slopes, fine))
+            find = partial(_differentiated, slopes, orbits, orbit)
+            orbit, along = self.memory.recall_or_raise("differentiated", orbit, find)
+            figures = CycleFigures(slopes, orbit, along)
             change = np.inf if before is None else _change(before.slopes, figures.slopes, values)
             if self._is_settled(change, orbit):
                 return figures
@@ -234,16 +255,15 @@ class _Cycles:
         orbit, along, values = point.orbit, point.tangent, model.values[list(which)]
         before: Floats | None = None
         while True:
-            fine = orbits.fold(orbit, along)
-            assert fine.along is not None
-            orbit, slope = fine.found.orbit, orbit_slopes(slopes, fine).parameter
+            find = partial(_differentiated_fold, slopes, orbits, orbit, along)
+            orbit, way, slope = self.memory.recall_or_raise("fold", (orbit, along), find)
             if model.index in which:
                 slope[list(which).index(model.index)] = 0.0
             change = np.inf if before is None else _change(before, slope, values)
             if self._is_settled(change, orbit):
                 break
             before, finer = slope, orbits.finer(orbit)
-            along, orbit = moved(orbit, fine.along, finer.mesh), finer
+            along, orbit = moved(orbit, way, finer.mesh), finer
         words = "Lowest speed with a stable limit cycle, at a fold"
         return Quantity(NONLINEAR, "m/s", words), orbit.parameter, slope
 
@@ -259,6 +279,23 @@ class _Cycles:
                 "fine a mesh: the motion has corners, as where contacts begin or jump"
             )
         return True
+
+
+def _differentiated(
+    slopes: ParameterSlopes, orbits: FineOrbits, guess: Orbit
+) -> tuple[Orbit, OrbitSlopes]:
+    """Return the orbit near a guess and how it follows the parameters."""
+    fine = orbits.at(guess)
+    return fine.found.orbit, orbit_slopes(slopes, fine)
+
+
+def _differentiated_fold(
+    slopes: ParameterSlopes, orbits: FineOrbits, guess: Orbit, along: Direction
+) -> tuple[Orbit, Direction, Floats]:
+    """Return the orbit at a fold, the direction there, and how its parameter follows others."""
+    fine = orbits.fold(guess, along)
+    assert fine.along is not None
+    return fine.found.orbit, fine.along, orbit_slopes(slopes, fine).parameter
 
 
 def _change(before: Floats, after: Floats, values: Floats) -> float:

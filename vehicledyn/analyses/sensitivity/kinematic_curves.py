@@ -10,15 +10,18 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from fnmatch import fnmatchcase
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.analyse.continuation import SingularPlace, Way
 from vehicledyn.analyses.mechanism.mechanism_path import Drive, Mechanism, mechanism, run_sweep
 from vehicledyn.analyses.preparation.build_model import build_subject
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.base.errors import InputError, NumericalError, nearest_name, unknown_name
 from vehicledyn.base.ranges import read_range
+from vehicledyn.base.step_memory import Memory
 from vehicledyn.base.units import shown
 from vehicledyn.files.scenario.target import Target
 from vehicledyn.multibody.loops.position_level import Positions
@@ -32,8 +35,12 @@ _SINGULAR = 1e-10
 """Part of the largest singular value of the rows below which a place is singular."""
 
 
+KINDS = Way, SingularPlace
+"""Results of steps that a memory knows."""
+
+
 def find_kinematic_sensitivity(
-    target: Target, of: Sequence[str], to: Sequence[str], progress: Progress
+    target: Target, of: Sequence[str], to: Sequence[str], progress: Progress, *, memory: Memory
 ) -> SensitivityTable:
     """Return derivatives of channels at places of a drive; all else stays at its start.
 
@@ -47,6 +54,8 @@ def find_kinematic_sensitivity(
         Patterns of parameters.
     progress
         Called with what is going on.
+    memory
+        Knows places and slopes, of :data:`KINDS`.
 
     Raises
     ------
@@ -67,7 +76,8 @@ def find_kinematic_sensitivity(
         if channel not in names:
             raise InputError(f"'{name}': {unknown_name('channel of positions', channel, names)}")
         row = names.index(channel)
-        swept = run_sweep(machine, [Drive(drive, places)], together=False, progress=progress)
+        path = [Drive(drive, places)]
+        swept = run_sweep(machine, path, together=False, progress=progress, memory=memory)
         if swept.failures:
             raise NumericalError(swept.failures[0].words)
         for sample, place in zip(swept.samples, places, strict=True):
@@ -75,7 +85,9 @@ def find_kinematic_sensitivity(
             figure = f"{channel} at {drive} = {shown(place, own.unit)}"
             figures.append(Quantity(figure, item.unit, item.description))
             values.append(float(sample.values[row]))
-            slopes.append(_slope(machine, sample.coordinates, row)[chosen])
+            given = drive, sample.coordinates, row
+            found = partial(_slope, machine, *given[1:])
+            slopes.append(memory.recall_or_raise("slope", given, found)[chosen])
     entries = [positions.parameters[k] for k in chosen]
     return SensitivityTable(
         target.title,

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -30,6 +32,7 @@ from vehicledyn.analyses.sensitivity.figure_kinds import (
 from vehicledyn.analyses.sensitivity.mode_shapes import mode_shapes
 from vehicledyn.analyses.sensitivity.names import directions
 from vehicledyn.base.errors import InputError, NumericalError, nearest_name
+from vehicledyn.base.step_memory import Memory
 from vehicledyn.files.scenario.target import Target
 from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.results.tables.sensitivity_table import SensitivityTable
@@ -44,6 +47,10 @@ _MOST_SECANTS, _NEAR = 6, 1e-6
 """Rough steps towards a critical speed, and the part of it to which they are worth while."""
 
 
+KINDS = LinearPoint, EigenSlopes, Quantity
+"""Results of steps that a memory knows."""
+
+
 @dataclass
 class _Model:
     """A model at its point to linearise about."""
@@ -53,6 +60,8 @@ class _Model:
     derivatives: EigenDerivatives
     by_speed: Floats
     """How the states that are held follow the speed, shape (n_states,)."""
+    memory: Memory
+    """Knows results of :data:`KINDS`."""
 
     @property
     def following(self) -> Following:
@@ -79,9 +88,25 @@ class _Model:
             )
         return names.index("speed")
 
+    def slopes(self, choice: Callable[[Any], list[int]]) -> EigenSlopes:
+        """Return the derivatives of the eigenvalues that are chosen, at the point."""
+        find = partial(self.derivatives.at, self.point, choice)
+        return self.memory.recall_or_raise("slopes", (choice.__name__, self.point), find)
+
+    def eigenvalues(self) -> Any:
+        """Return the eigenvalues at the point."""
+        find = partial(self.derivatives.eigenvalues, self.point)
+        return self.memory.recall_or_raise("eigenvalues", self.point, find)
+
     def at_speed(self, speed: float, base: LinearPoint | None = None) -> LinearPoint:
         """Return the equilibrium at another speed [m/s], near the last one or a given one."""
-        index, old = self.speed_index, base or self.point
+        old = base or self.point
+        find = partial(self._at_speed, speed, old)
+        self.point = self.memory.recall_or_raise("at speed", (speed, old), find)
+        return self.point
+
+    def _at_speed(self, speed: float, old: LinearPoint) -> LinearPoint:
+        index = self.speed_index
         parameters = old.parameters.copy()
         along = self.derivatives.along(old, index) + self.by_speed
         state = old.state + (speed - parameters[index]) * along
@@ -89,7 +114,6 @@ class _Model:
         kernel = self.prepared.kernel.with_parameters(parameters)
         near = self.derivatives.balanced(old, kernel, state, BALANCE_TOLERANCE)
         if near is not None:
-            self.point = near
             return near
         found = find_equilibrium(
             self.prepared.equations,
@@ -102,12 +126,17 @@ class _Model:
             tolerance=BALANCE_TOLERANCE,
             derivatives=self.prepared.derivatives,
         )
-        self.point = replace(old, parameters=parameters, state=found.state, unknowns=found.unknowns)
-        return self.point
+        return replace(old, parameters=parameters, state=found.state, unknowns=found.unknowns)
 
 
 def find_linear_sensitivity(
-    target: Target, of: list[str], to: list[str], speed: float | None, progress: Progress
+    target: Target,
+    of: list[str],
+    to: list[str],
+    speed: float | None,
+    progress: Progress,
+    *,
+    memory: Memory,
 ) -> SensitivityTable:
     """Return derivatives of an equilibrium, its eigenvalues or the critical speed.
 
@@ -125,6 +154,8 @@ def find_linear_sensitivity(
         there.
     progress
         Called with what is going on.
+    memory
+        Knows results of :data:`KINDS`.
 
     Raises
     ------
@@ -133,7 +164,7 @@ def find_linear_sensitivity(
     NumericalError
         If there is no equilibrium or no critical speed.
     """
-    model = _model(target, speed, progress)
+    model = _model(target, speed, progress, memory)
     e = model.prepared.equations
     if any(name.startswith("start.") for name in to):
         raise InputError("an equilibrium has no start values; name parameters")
@@ -147,7 +178,8 @@ def find_linear_sensitivity(
         elif name == CRITICAL:
             found = _critical_speed(model)
         elif is_mode_shape(name):
-            found = mode_shapes(model.prepared, model.point, model.following, name)
+            find = partial(mode_shapes, model.prepared, model.point, model.following, name)
+            found = memory.recall_or_raise("shapes", name, find)
         else:
             found = _balance(model, name.removeprefix(BALANCE))
         for quantity, value, slope in found:
@@ -166,7 +198,7 @@ def find_linear_sensitivity(
     )
 
 
-def _model(target: Target, speed: float | None, progress: Progress) -> _Model:
+def _model(target: Target, speed: float | None, progress: Progress, memory: Memory) -> _Model:
     target, own = at_speed(target, speed)
     if own is None and target.choices is not None:
         own = target.choices.speed
@@ -183,7 +215,7 @@ def _model(target: Target, speed: float | None, progress: Progress) -> _Model:
     )
     here = own or 1.0
     faster = subject.start_state(e, here + 1.0) - subject.start_state(e, here)
-    return _Model(prepared, point, EigenDerivatives(e), faster)
+    return _Model(prepared, point, EigenDerivatives(e), faster, memory)
 
 
 Found = list[tuple[Quantity, float, Floats]]
@@ -205,7 +237,7 @@ def _eigenvalues(model: _Model) -> Found:
         kept = [k for k, v in enumerate(values) if v.imag >= 0.0 and abs(v) > NEAR_ZERO]
         return sorted(kept, key=lambda k: -values[k].real)
 
-    slopes = model.derivatives.at(model.point, chosen)
+    slopes = model.slopes(chosen)
     by_parameter = _by_parameter(model, slopes)
     found: Found = []
     for k, value in enumerate(slopes.values):
@@ -224,7 +256,8 @@ def _critical_speed(model: _Model) -> Found:
     index = model.speed_index
     stable, unstable, speed = _nearer(model, *_bracket(model, index))
     for _ in range(_MOST_STEPS):
-        slopes = model.derivatives.at(model.at_speed(speed), _fastest)
+        model.at_speed(speed)
+        slopes = model.slopes(_fastest)
         growth, by_parameter = float(slopes.values[0].real), _by_parameter(model, slopes)[0]
         rate = float(by_parameter[index].real)
         stable, unstable = (stable, speed) if growth > 0.0 else (speed, unstable)
@@ -260,7 +293,8 @@ def _bracket(model: _Model, index: int) -> tuple[tuple[float, float], tuple[floa
     """
 
     def growth(speed: float) -> float:
-        values = model.derivatives.eigenvalues(model.at_speed(speed))
+        model.at_speed(speed)
+        values = model.eigenvalues()
         chosen = _fastest(values)
         return float(values[chosen[0]].real) if chosen else -np.inf
 
@@ -298,7 +332,8 @@ def _nearer(
     for _ in range(_MOST_SECANTS):
         point = model.at_speed(speed, base)
         kernel = model.prepared.kernel.with_parameters(point.parameters)
-        values = model.derivatives.rough_eigenvalues(point, base, kernel)
+        find = partial(model.derivatives.rough_eigenvalues, point, base, kernel)
+        values = model.memory.recall_or_raise("rough", (point, base), find)
         chosen = _fastest(values)
         growth = float(values[chosen[0]].real) if chosen else np.nan
         a, below, b, above = b, above, speed, growth

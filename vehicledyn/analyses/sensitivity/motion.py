@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from vehicledyn.analyses.sensitivity.figure_names import check_names, is_figure_
 from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
 from vehicledyn.analyses.sensitivity.names import Directions, Wanted, directions, wanted
 from vehicledyn.analyses.simulation.prepared_run import prepare_run
+from vehicledyn.base.step_memory import Memory
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.kernel.engine import Method
 from vehicledyn.results.store.linear_file import Quantity
@@ -26,7 +28,7 @@ Floats = NDArray[np.float64]
 
 
 def find_motion_sensitivity(
-    loaded: LoadedScenario, of: list[str], to: list[str], progress: Progress
+    loaded: LoadedScenario, of: list[str], to: list[str], progress: Progress, *, memory: Memory
 ) -> SensitivityTable:
     """Return derivatives of a run's channels and key figures by parameters and start values.
 
@@ -38,6 +40,8 @@ def find_motion_sensitivity(
         Names, see :mod:`vehicledyn.analyses.sensitivity.names`.
     progress
         Called with what is going on.
+    memory
+        Knows results of :data:`vehicledyn.analyses.sensitivity.motion_study.KINDS`.
 
     Raises
     ------
@@ -49,8 +53,8 @@ def find_motion_sensitivity(
     check_names(loaded, of, progress)
     names = _named_channels(loaded, of, progress)
     if _goes_back(loaded, of, to):
-        return _figure_back(loaded, of[0], to, progress)
-    return _figures_ahead(loaded, (of, names), to, progress)
+        return _figure_back(loaded, of[0], to, progress, memory)
+    return _figures_ahead(loaded, (of, names), to, progress, memory)
 
 
 def _figures_ahead(
@@ -58,10 +62,11 @@ def _figures_ahead(
     asked: tuple[list[str], list[str]],
     to: list[str],
     progress: Progress,
+    memory: Memory,
 ) -> SensitivityTable:
     """Return derivatives of figures and channels by tangents: their names, and channels needed."""
     of, names = asked
-    study = MotionStudy.of(loaded, names, progress)
+    study = MotionStudy.of(loaded, names, progress, memory=memory)
     e, kernel = study.prepared.equations, study.prepared.kernel
     chosen = directions(e, kernel.parameters, study.start.state, to)
     motion = study.followed(chosen, progress)
@@ -96,14 +101,14 @@ def _goes_back(loaded: LoadedScenario, of: list[str], to: list[str]) -> bool:
 
 
 def _figure_back(
-    loaded: LoadedScenario, name: str, to: list[str], progress: Progress
+    loaded: LoadedScenario, name: str, to: list[str], progress: Progress, memory: Memory
 ) -> SensitivityTable:
     """Return the derivatives of one figure of a channel, by adjoints."""
     kind, _, channel = name.removesuffix(")").partition("(")
-    study = MotionStudy.of(loaded, [channel], progress, back=True)
+    study = MotionStudy.of(loaded, [channel], progress, back=True, memory=memory)
     course = study.changes()
     if course is not None and course.changes:
-        return _figures_ahead(loaded, ([name], [channel]), to, progress)
+        return _figures_ahead(loaded, ([name], [channel]), to, progress, memory)
     e, kernel = study.prepared.equations, study.prepared.kernel
     chosen = directions(e, kernel.parameters, study.start.state, to)
 
@@ -112,7 +117,8 @@ def _figure_back(
         return found, found.slope[:, None]
 
     progress("following the motion back", None)
-    found = figure_adjoint(
+    find = partial(
+        figure_adjoint,
         study.code,
         kernel,
         study.grid,
@@ -120,6 +126,7 @@ def _figure_back(
         start=(study.start.state, study.start.unknowns),
         figure=figure,
     )
+    found = memory.recall_or_raise("adjoint", name, find)
     moved = study.start_slopes(chosen) + chosen.by_state
     slope = found.by_parameter @ chosen.by_parameter + found.by_state @ moved
     unsure = unconfirmed_figure(study, chosen, kind, slope)

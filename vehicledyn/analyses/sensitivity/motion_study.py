@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.analyse.gradients.adjoint import FigureAdjoint
 from vehicledyn.analyse.gradients.equilibrium import Balance, start_slopes
 from vehicledyn.analyse.gradients.key_figures import (
     FigureSlope,
@@ -18,6 +19,7 @@ from vehicledyn.analyse.gradients.key_figures import (
     sampled_slopes,
     unit_of,
 )
+from vehicledyn.analyse.gradients.motion import KINDS as STRETCH_KINDS
 from vehicledyn.analyse.gradients.motion import Piece, follow
 from vehicledyn.analyse.gradients.motion_slopes import MotionSlopes
 from vehicledyn.analyse.gradients.sampled_run import sampled_run
@@ -30,6 +32,7 @@ from vehicledyn.analyses.simulation.partitions.steady_partition import SteadyPar
 from vehicledyn.analyses.simulation.prepared_run import prepare_run
 from vehicledyn.analyses.simulation.wanted_outputs import needed_channels
 from vehicledyn.base.errors import InputError, NumericalError, nearest_name
+from vehicledyn.base.step_memory import Memory
 from vehicledyn.base.units import shown
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.integrate.accuracy.proposed_step import proposed_step
@@ -51,6 +54,10 @@ _AS_GOOD, _MOST_HALVINGS = 1e-5, 5
 often they are halved for it."""
 
 
+KINDS = (*STRETCH_KINDS, MotionSlopes, FigureAdjoint, FigureSlope)
+"""Results of the memory of a motion."""
+
+
 @dataclass
 class MotionStudy:
     """A scenario made ready to be followed with its derivatives, as often as wanted."""
@@ -65,16 +72,23 @@ class MotionStudy:
     notes: list[str]
     course: PartitionCourse
     pieces: Pieces
+    memory: Memory = field(default_factory=Memory)
     held: tuple[int, ...] = ()
     """States whose start is given, so that it does not follow the parameters."""
 
     @staticmethod
     def of(
-        loaded: LoadedScenario, names: list[str], progress: Progress, *, back: bool = False
+        loaded: LoadedScenario,
+        names: list[str],
+        progress: Progress,
+        *,
+        back: bool = False,
+        memory: Memory | None = None,
     ) -> MotionStudy:
         """Prepare a scenario; ``names`` are the channels wanted besides those of key figures.
 
-        With ``back`` the motion is to be followed back from the first of these.
+        With ``back`` the motion is to be followed back from the first of these. A ``memory`` knows
+        results of :data:`KINDS`.
         """
         prepared, start = prepare_run(loaded, backend="auto", progress=progress)
         if prepared.has_multipliers:
@@ -100,6 +114,7 @@ class MotionStudy:
         study = MotionStudy(
             loaded, prepared, start, channels, code, grid, n_intervals, notes, course, Pieces()
         )
+        study.memory = memory or study.memory
         kept = getattr(loaded.scenario.solver, "fixed_method", None) in _FIXED
         return study if kept else study._with_judged_steps(progress)
 
@@ -184,6 +199,7 @@ class MotionStudy:
             directions=(chosen.by_parameter, by_state),
             n_channels=len(self.channels),
             progress=lambda part: progress("following the motion with its tangents", part),
+            memory=self.memory,
         )
         kernel = self.prepared.kernel
         if self.course.needed(kernel) and SteadyPartition.sees(kernel, self.grid):
@@ -212,6 +228,10 @@ class MotionStudy:
 
     def plain(self, progress: Progress) -> MotionSlopes:
         """Return the motion without derivatives, as those by no directions."""
+        given = self.prepared.kernel.parameters, self.start.state, self.start.unknowns, self.grid
+        return self.memory.recall_or_raise("plain", given, self._plain)
+
+    def _plain(self) -> MotionSlopes:
         kernel, n_x = self.prepared.kernel, len(self.start.state)
         course = self.changes()
         if course is not None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -16,6 +17,7 @@ from vehicledyn.analyses.sensitivity.names import directions
 from vehicledyn.analyses.sensitivity.response_peaks import find_peak
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.ranges import read_range
+from vehicledyn.base.step_memory import Memory
 from vehicledyn.base.units import to_si
 from vehicledyn.files.scenario.target import Target
 from vehicledyn.results.store.linear_file import Quantity
@@ -43,7 +45,13 @@ class _Place(NamedTuple):
 
 
 def find_response_sensitivity(
-    target: Target, of: Sequence[str], to: Sequence[str], speed: float | None, progress: Progress
+    target: Target,
+    of: Sequence[str],
+    to: Sequence[str],
+    speed: float | None,
+    progress: Progress,
+    *,
+    memory: Memory,
 ) -> SensitivityTable:
     """Return derivatives of gains, phases and peaks by parameters.
 
@@ -61,6 +69,8 @@ def find_response_sensitivity(
         Forward speed [m/s]; the scenario's own if None.
     progress
         Called with what is going on.
+    memory
+        Knows figures.
 
     Raises
     ------
@@ -90,7 +100,7 @@ def find_response_sensitivity(
         row, column = outputs.index(item.output), inputs.index(item.input)
         unit = ratio_unit(e.channels[rows[row]].unit, model.inputs[column].unit)
         place = _Place(row, column, unit)
-        for quantity, value, slope in _figures(slopes, name, item, place):
+        for quantity, value, slope in _figures(slopes, name, item, place, memory):
             figures.append(quantity)
             values.append(value)
             found.append(slope)
@@ -106,13 +116,14 @@ def find_response_sensitivity(
 
 
 def _figures(
-    slopes: InputSlopes, name: str, asked: _Asked, place: _Place
+    slopes: InputSlopes, name: str, asked: _Asked, place: _Place, memory: Memory
 ) -> Iterator[tuple[Quantity, float, NDArray[np.float64]]]:
     """Yield what a name asks for, with values and derivatives by all parameters."""
     kind, output, which, frequencies = asked
     row, column, unit = place
     if kind.startswith("peak"):
-        gain, gain_slope, peak, moved = find_peak(slopes, row, column, *frequencies)
+        find = partial(find_peak, slopes, row, column, *frequencies)
+        gain, gain_slope, peak, moved = memory.recall_or_raise("peak", name, find)
         words = f"of the peak of {output} to {which}"
         if kind == "peak_gain":
             yield Quantity(name, unit, f"Gain {words}"), gain, gain_slope
@@ -120,7 +131,8 @@ def _figures(
             yield Quantity(name, "Hz", f"Frequency {words}"), peak, moved
         return
     for frequency in frequencies:
-        value, slope = _figure(slopes, kind, row, column, frequency)
+        given = kind, row, column, frequency
+        value, slope = memory.recall_or_raise("figure", given, partial(_figure, slopes, *given))
         label = name if len(frequencies) == 1 else f"{kind}({output}, {which}, {frequency:g} Hz)"
         text = f"{kind.capitalize()} of {output} to {which} at {frequency:g} Hz"
         yield Quantity(label, "rad" if kind == "phase" else unit, text), value, slope

@@ -14,7 +14,7 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.cli.commands.analyses import read_target
 from vehicledyn.cli.options import Backend, BackendChoice, Json, Overrides, Target
 from vehicledyn.cli.performing import perform
-from vehicledyn.cli.replacing import HANDLING, Overwrite, check_replacing
+from vehicledyn.cli.replacing import HANDLING, Overwrite, Resume, check_replacing
 from vehicledyn.cli.terminal import emit_report, show_progress
 
 if TYPE_CHECKING:
@@ -49,12 +49,13 @@ def steady(
     plots: Plots = None,
     page: ReportPage = None,
     backend: BackendChoice = Backend.AUTO,
+    resume: Resume = False,
     overwrite: Overwrite = False,
     as_json: Json = False,
 ) -> None:
     """Find steady cornering without time simulation: gradients, modes, yaw moments, limits."""
     wish = {"speed": speed, "radius": radius, "backend": backend.value}
-    files = _Files(output, plots, page, overwrite)
+    files = _Files(output, plots, page, overwrite, resume)
     _perform(vehicledyn.steady, _targets(car, against, overrides), files, wish, as_json)
 
 
@@ -67,9 +68,7 @@ def handling(
     plots: Plots = None,
     page: ReportPage = None,
     backend: BackendChoice = Backend.AUTO,
-    resume: Annotated[
-        bool, typer.Option("--resume", help="Go on with tests that were killed or stopped.")
-    ] = False,
+    resume: Resume = False,
     overwrite: Overwrite = False,
     as_json: Json = False,
 ) -> None:
@@ -87,7 +86,7 @@ class _Files:
     plots: Path | None
     page: Path | None
     overwrite: bool
-    resume: bool = False
+    resume: bool
 
 
 def _targets(

@@ -11,7 +11,7 @@ import vehicledyn
 from vehicledyn.cli.commands.analyses import read_target
 from vehicledyn.cli.options import Backend, BackendChoice, Json, Overrides, Quiet, Target
 from vehicledyn.cli.performing import conclude, perform
-from vehicledyn.cli.replacing import HUNT, Overwrite, check_replacing
+from vehicledyn.cli.replacing import HUNT, Overwrite, Resume, check_replacing
 
 
 def add_verbs(app: typer.Typer) -> None:
@@ -81,10 +81,7 @@ def hunt(
     plots: Annotated[
         Path | None, typer.Option(help="Folder of the figures; the result's name with _plots.")
     ] = None,
-    resume: Annotated[
-        bool,
-        typer.Option("--resume", help="Continue a study that was killed or stopped."),
-    ] = False,
+    resume: Resume = False,
     overwrite: Overwrite = False,
     no_plots: Annotated[bool, typer.Option("--no-plots", help="Draw nothing.")] = False,
     backend: BackendChoice = Backend.AUTO,

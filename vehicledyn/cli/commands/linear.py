@@ -22,7 +22,7 @@ from vehicledyn.cli.options import (
     speeds_in_si,
 )
 from vehicledyn.cli.performing import perform, show
-from vehicledyn.cli.replacing import MODES, RESPONSE, Overwrite, check_replacing
+from vehicledyn.cli.replacing import MODES, RESPONSE, Overwrite, Resume, check_replacing
 
 if TYPE_CHECKING:
     from vehicledyn.files.scenario import LoadedModel, LoadedScenario
@@ -84,6 +84,7 @@ def eig(
     plots: Annotated[
         Path | None, typer.Option(help="Folder for root locus and mode shapes.")
     ] = None,
+    resume: Resume = False,
     overwrite: Overwrite = False,
     as_json: Json = False,
 ) -> None:
@@ -93,7 +94,7 @@ def eig(
     targets = _targets(target, cases)
     is_result = output is not None and is_result_name(output)
     if output is not None and is_result:
-        check_replacing(output, MODES, overwrite=overwrite)
+        check_replacing(output, MODES, overwrite=overwrite, resume=resume)
     data = perform(
         vehicledyn.modes,
         dict(targets),
@@ -102,6 +103,7 @@ def eig(
         backend=backend.value,
         save_to=output if is_result else None,
         overwrite=True,
+        resume=resume,
         plots=plots,
     )
     show(data, as_json=as_json, plots=plots, file=None if is_result else output)

@@ -11,7 +11,7 @@ import vehicledyn
 from vehicledyn.cli.finding import find_file
 from vehicledyn.cli.options import Json, Overrides
 from vehicledyn.cli.performing import perform, show
-from vehicledyn.cli.replacing import OPTIMUM, Overwrite, check_replacing
+from vehicledyn.cli.replacing import OPTIMUM, Overwrite, Resume, check_replacing
 
 
 def add_verbs(app: typer.Typer) -> None:
@@ -27,9 +27,7 @@ def optimise(
         typer.Option("--output", "-o", help="Result file; the study's name with .h5 if absent."),
     ] = None,
     overrides: Overrides = None,
-    resume: Annotated[
-        bool, typer.Option("--resume", help="Go on with a search that was stopped.")
-    ] = False,
+    resume: Resume = False,
     system: Annotated[
         Path | None,
         typer.Option(metavar="FILE.yaml", help="System file to write with the values found."),

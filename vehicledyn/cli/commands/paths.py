@@ -21,7 +21,7 @@ from vehicledyn.cli.options import (
     Target,
 )
 from vehicledyn.cli.performing import conclude, perform
-from vehicledyn.cli.replacing import RUN, Overwrite, check_replacing
+from vehicledyn.cli.replacing import RUN, Overwrite, Resume, check_replacing
 
 Plots = Annotated[
     Path | None, typer.Option(help="Folder of the figures; the result's name with _plots.")
@@ -66,6 +66,7 @@ def kinematics(
     ] = None,
     plots: Plots = None,
     no_plots: NoPlots = False,
+    resume: Resume = False,
     overwrite: Overwrite = False,
     as_json: Json = False,
     quiet: Quiet = False,
@@ -76,7 +77,7 @@ def kinematics(
         raise InputError("--drive: a channel is driven twice; name each once")
     loaded = read_target(target, overrides, ("scenario", "system"))
     result = output or Path(f"{Path(target).stem}_kinematics.h5")
-    check_replacing(result, RUN, overwrite=overwrite)
+    check_replacing(result, RUN, overwrite=overwrite, resume=resume)
     folder = None if no_plots else plots or result.parent / f"{result.stem}_plots"
     data = perform(
         vehicledyn.kinematics,
@@ -87,6 +88,7 @@ def kinematics(
         channels=columns or (),
         save_to=result,
         overwrite=True,
+        resume=resume,
         plots=folder,
         quiet=quiet,
     )
@@ -109,6 +111,7 @@ def inverse(
     ] = None,
     plots: Plots = None,
     no_plots: NoPlots = False,
+    resume: Resume = False,
     overwrite: Overwrite = False,
     backend: BackendChoice = Backend.AUTO,
     as_json: Json = False,
@@ -117,7 +120,7 @@ def inverse(
     """Find the forces that a prescribed motion needs; write result file and figures."""
     loaded = read_scenario(scenario, overrides)
     result = output or Path(f"{scenario.stem}_inverse.h5")
-    check_replacing(result, RUN, overwrite=overwrite)
+    check_replacing(result, RUN, overwrite=overwrite, resume=resume)
     folder = None if no_plots else plots or result.parent / f"{result.stem}_plots"
     data = perform(
         vehicledyn.inverse,
@@ -125,6 +128,7 @@ def inverse(
         motion=motion,
         save_to=result,
         overwrite=True,
+        resume=resume,
         backend=backend.value,
         plots=folder,
         quiet=quiet,
@@ -170,6 +174,7 @@ def rig(
     ] = None,
     plots: Plots = None,
     no_plots: NoPlots = False,
+    resume: Resume = False,
     overwrite: Overwrite = False,
     as_json: Json = False,
     quiet: Quiet = False,
@@ -177,7 +182,7 @@ def rig(
     """Measure kinematics and compliance of an axle on a suspension rig."""
     loaded = read_target(target, overrides, ("scenario", "system"))
     result = output or Path(f"{Path(target).stem}_rig_{test}.h5")
-    check_replacing(result, RUN, overwrite=overwrite)
+    check_replacing(result, RUN, overwrite=overwrite, resume=resume)
     folder = None if no_plots else plots or result.parent / f"{result.stem}_plots"
     data = perform(
         vehicledyn.rig,
@@ -188,6 +193,7 @@ def rig(
         steering=steering,
         save_to=result,
         overwrite=True,
+        resume=resume,
         plots=folder,
         quiet=quiet,
     )

@@ -14,7 +14,7 @@ from vehicledyn.base.ranges import read_range
 from vehicledyn.base.units import to_si
 from vehicledyn.cli.options import Json
 from vehicledyn.cli.performing import perform, show
-from vehicledyn.cli.replacing import PROFILES, Overwrite, check_replacing
+from vehicledyn.cli.replacing import PROFILES, Overwrite, Resume, check_replacing
 from vehicledyn.cli.terminal import emit
 
 
@@ -79,6 +79,7 @@ def profiles(
         Path | None, typer.Option("--output", "-o", help="Result file (HDF5) to write.")
     ] = None,
     plots: Annotated[Path | None, typer.Option(help="Folder of the pictures.")] = None,
+    resume: Resume = False,
     overwrite: Overwrite = False,
     as_json: Json = False,
 ) -> None:
@@ -87,7 +88,7 @@ def profiles(
     Lengths without a unit are millimetres.
     """
     if output is not None:
-        check_replacing(output, PROFILES, overwrite=overwrite)
+        check_replacing(output, PROFILES, overwrite=overwrite, resume=resume)
     data = perform(
         vehicledyn.contact_geometry,
         wheel,
@@ -110,6 +111,7 @@ def profiles(
         amplitudes=[a for a in _lengths("--amplitude", amplitudes) if a > 0.0],
         save_to=output,
         overwrite=True,
+        resume=resume,
         plots=plots,
     )
     show(data, as_json=as_json, plots=plots)

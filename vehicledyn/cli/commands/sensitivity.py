@@ -10,7 +10,7 @@ import typer
 import vehicledyn
 from vehicledyn.cli.options import Json, Overrides, Target, is_result_name
 from vehicledyn.cli.performing import perform, show
-from vehicledyn.cli.replacing import SENSITIVITY, Overwrite, check_replacing
+from vehicledyn.cli.replacing import SENSITIVITY, Overwrite, Resume, check_replacing
 
 
 def add_verbs(app: typer.Typer) -> None:
@@ -51,6 +51,7 @@ def sensitivity(
         typer.Option("--output", "-o", help="File to write: a result (.h5), or JSON (others)."),
     ] = None,
     plots: Annotated[Path | None, typer.Option(help="Folder for tornado and curves.")] = None,
+    resume: Resume = False,
     overwrite: Overwrite = False,
     as_json: Json = False,
 ) -> None:
@@ -60,7 +61,7 @@ def sensitivity(
     loaded = read_target(target, overrides, ("scenario", "system"))
     is_result = output is not None and is_result_name(output)
     if output is not None and is_result:
-        check_replacing(output, SENSITIVITY, overwrite=overwrite)
+        check_replacing(output, SENSITIVITY, overwrite=overwrite, resume=resume)
     data = perform(
         vehicledyn.sensitivity,
         loaded,
@@ -69,6 +70,7 @@ def sensitivity(
         speed=speed,
         save_to=output if is_result else None,
         overwrite=True,
+        resume=resume,
         plots=plots,
     )
     show(data, as_json=as_json, plots=plots, file=None if is_result else output)

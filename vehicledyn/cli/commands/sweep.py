@@ -12,7 +12,7 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.cli.finding import find_file
 from vehicledyn.cli.options import Backend, BackendChoice, Json, Overrides, Quiet, Verbose
 from vehicledyn.cli.performing import conclude, perform
-from vehicledyn.cli.replacing import STUDY, Overwrite, check_replacing
+from vehicledyn.cli.replacing import STUDY, Overwrite, Resume, check_replacing
 from vehicledyn.cli.terminal import listen
 
 if TYPE_CHECKING:
@@ -65,9 +65,7 @@ def sweep(
     lanes: Annotated[
         int | None, typer.Option(help="Cases side by side in each process: 1, 4 or 8.")
     ] = None,
-    resume: Annotated[
-        bool, typer.Option("--resume", help="Continue an existing result file.")
-    ] = False,
+    resume: Resume = False,
     overwrite: Overwrite = False,
     backend: BackendChoice = Backend.AUTO,
     as_json: Json = False,

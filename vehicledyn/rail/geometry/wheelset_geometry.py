@@ -8,13 +8,15 @@ grows steadily with the roll, so it has one zero.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import partial
 from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
 from vehicledyn.base.errors import InputError
+from vehicledyn.base.step_memory import Memory
 from vehicledyn.rail.geometry.contact_geometry import (
     Pose,
     Rail,
@@ -37,13 +39,17 @@ _COARSE, _FINE = 1e-9, 1e-11
 
 @dataclass(frozen=True)
 class WheelsetOnTrack:
-    """Two wheels on one axle and the rails below them; each as its own side sees it."""
+    """Two wheels on one axle and the rails below them; each as its own side sees it.
+
+    ``memory`` knows how it stands at some shifts.
+    """
 
     left_wheel: Wheel
     right_wheel: Wheel
     left_rail: Rail
     right_rail: Rail
     curvature: float = 0.0
+    memory: Memory = field(default_factory=Memory, compare=False, repr=False)
 
     @property
     def is_symmetric(self) -> bool:
@@ -99,6 +105,11 @@ def stand(wheelset: WheelsetOnTrack, lateral: float, yaw: float = 0.0) -> Standi
     InputError
         If there is no roll at which both wheels are above their rails and touch them.
     """
+    find = partial(_standing, wheelset, lateral, yaw)
+    return wheelset.memory.recall_or_raise("stand", (lateral, yaw), find, InputError)
+
+
+def _standing(wheelset: WheelsetOnTrack, lateral: float, yaw: float) -> Standing:
     roll = _approximate_roll(wheelset, lateral, yaw)
     for _ in range(_CORRECTIONS):
         pose = Pose(lateral, 0.0, roll, yaw, wheelset.curvature)

@@ -6,6 +6,7 @@ import errno
 import os
 import re
 import shutil
+import threading
 from pathlib import Path
 from typing import IO
 
@@ -99,15 +100,34 @@ class OutputLock:
 
     HDF5 gives its own lock up when it starts writing for concurrent readers, so a second
     run would destroy the file of the first. A hidden file beside the output holds ours.
+
+    Parameters
+    ----------
+    target
+        The output.
+    lends
+        Whether writers of the same thread may take it, one at a time, as long as it is held.
+
+    Raises
+    ------
+    InputError
+        If another run is writing the output, or its folder takes no file.
     """
 
-    def __init__(self, target: Path) -> None:
-        self._path = _lock_path(target)
+    def __init__(self, target: Path, *, lends: bool = False) -> None:
+        self._path, self._target, self._lends = _lock_path(target), target, lends
         self._file: IO[str] | None = None
-        if fcntl is None:
-            return
-        while self._file is None:
-            self._file = self._acquire(target)
+        self.is_lent, self._holder = False, _here()
+        self._lender = _lender(target)
+        if self._lender is not None:
+            if lends or self._lender.is_lent:
+                raise _busy(target)
+            self._lender.is_lent = True
+        elif fcntl is not None:
+            while self._file is None:
+                self._file = self._acquire(target)
+        if lends:
+            _lending[target] = self
 
     def _acquire(self, target: Path) -> IO[str] | None:
         try:
@@ -127,15 +147,39 @@ class OutputLock:
 
     def release(self) -> None:
         """Let other runs write there; releasing twice does nothing."""
+        if self._lender is not None:
+            self._lender.is_lent, self._lender = False, None
+        if _lending.get(self._target) is self:
+            del _lending[self._target]
         if self._file is not None:
             self._path.unlink(missing_ok=True)
             self._file.close()
             self._file = None
 
+    @property
+    def is_ours(self) -> bool:
+        """Whether this thread of this process, and no child of it, took the lock."""
+        return self._holder == _here()
+
+
+_lending: dict[Path, OutputLock] = {}
+
+
+def _here() -> tuple[int, int]:
+    return os.getpid(), threading.get_ident()
+
+
+def _lender(target: Path) -> OutputLock | None:
+    """Return the lock of an output that this thread holds and lends."""
+    lock = _lending.get(target)
+    return lock if lock is not None and lock.is_ours else None
+
 
 def is_being_written(target: Path) -> bool:
-    """Return whether a living process holds the lock of this output."""
-    path = _lock_path(target)
+    """Return whether a living process holds the lock of this output, and does not just lend it."""
+    path, lender = _lock_path(target), _lender(target)
+    if lender is not None:
+        return lender.is_lent
     if fcntl is None or not path.exists():
         return False
     try:

@@ -41,19 +41,15 @@ class Quantity:
 
 
 @contextlib.contextmanager
-def new_file(
-    path: Path, kind: str, attributes: dict[str, Any], *, is_locked: bool = False
-) -> Iterator[h5py.File]:
+def new_file(path: Path, kind: str, attributes: dict[str, Any]) -> Iterator[h5py.File]:
     """Give a new file of a format to write into; it takes its name when it is complete.
-
-    ``is_locked`` says that the caller holds its lock.
 
     Raises
     ------
     InputError
         If the file cannot be written.
     """
-    target = path.resolve() if is_locked else check_output(path)
+    target = check_output(path)
     scratch = target.with_name(f".{target.name}.new")
     try:
         container = Container(scratch, new=True)

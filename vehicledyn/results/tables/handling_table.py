@@ -70,8 +70,8 @@ class HandlingTable:
         return found[0] if found else float("nan")
 
 
-def write_handling(path: Path, table: HandlingTable, *, is_locked: bool = False) -> None:
-    """Write a table to a file; ``is_locked`` says that the caller holds its lock.
+def write_handling(path: Path, table: HandlingTable) -> None:
+    """Write a table to a file.
 
     Raises
     ------
@@ -79,7 +79,7 @@ def write_handling(path: Path, table: HandlingTable, *, is_locked: bool = False)
         If it cannot be written.
     """
     head = {"title": table.title, "model": table.model, **table.attributes}
-    with new_file(path, FORMAT, head, is_locked=is_locked) as file:
+    with new_file(path, FORMAT, head) as file:
         for sheet, columns in table.sheets.items():
             count = len(next(iter(columns.values())).values)
             axis = f"{sheet}.point"

@@ -146,10 +146,8 @@ class HuntTable:
         return sorted({row.branch for row in self.cycles})
 
 
-def write_hunt(path: Path, table: HuntTable, *, is_locked: bool = False) -> None:
+def write_hunt(path: Path, table: HuntTable) -> None:
     """Write a study to a file, which keeps what it held until all is written.
-
-    ``is_locked`` says that the caller holds the lock of the file.
 
     Raises
     ------
@@ -167,7 +165,7 @@ def write_hunt(path: Path, table: HuntTable, *, is_locked: bool = False) -> None
         **{f"{_MEANS}{name}": words for name, words in table.means.items()},
     }
     unit, name = table.parameter.unit, table.parameter.description or table.parameter.name
-    with new_file(path, FORMAT, head, is_locked=is_locked) as file:
+    with new_file(path, FORMAT, head) as file:
         write_quantities(file, "parameter", [table.parameter])
         channels = write_quantities(file, "channel", table.channels)
         cycle = bare_dimension(file, "cycle", len(table.cycles))

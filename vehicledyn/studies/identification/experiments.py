@@ -13,9 +13,9 @@ from vehicledyn.analyses.sensitivity.confirmation import unconfirmed
 from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
 from vehicledyn.analyses.sensitivity.names import directions
 from vehicledyn.base.errors import InputError, NumericalError
+from vehicledyn.base.step_memory import Memory
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.results.store.linear_file import Quantity
-from vehicledyn.studies.kept_runs import KeptRuns
 
 if TYPE_CHECKING:
     from vehicledyn.studies.identification.identified import Unknowns
@@ -52,11 +52,11 @@ class Fitting:
 
     experiment: Experiment
     study: MotionStudy
-    runs: KeptRuns
+    runs: Memory
     progress: Progress
 
     @staticmethod
-    def of(experiment: Experiment, runs: KeptRuns, progress: Progress) -> Fitting:
+    def of(experiment: Experiment, runs: Memory, progress: Progress) -> Fitting:
         """Check the measurements and prepare the scenario.
 
         Raises
@@ -88,8 +88,7 @@ class Fitting:
         NumericalError
             If the run fails.
         """
-        key = [self.experiment.name, point.tolist()]
-        entry = self.runs.entry(key, lambda: self._run(unknowns, point))
+        entry = self._entry(unknowns, point)
         if "failure" in entry:
             raise NumericalError(str(entry["failure"]))
         times = np.array(entry["times"])
@@ -125,7 +124,7 @@ class Fitting:
 
         From what they miss with every other sample, a quarter of which is left with all of them.
         """
-        entry = self.runs.entry([self.experiment.name, point.tolist()], dict)
+        entry = self._entry(unknowns, point)
         times, largest = np.array(entry.get("times", [])), 0.0
         for item in self.experiment.measured:
             at = item.times - item.lag
@@ -136,6 +135,11 @@ class Fitting:
             coarse = np.interp(times, times[::2], own[::2]) - own
             largest = max(largest, float(np.max(np.abs(coarse))) / (4.0 * item.noise))
         return largest
+
+    def _entry(self, unknowns: Unknowns, point: Floats) -> dict[str, Any]:
+        """Return what a run gave."""
+        key = self.experiment.name, point
+        return self.runs.recall("run", key, lambda: self._run(unknowns, point))
 
     def _run(self, unknowns: Unknowns, point: Floats) -> dict[str, Any]:
         """Return samples and slopes of a run, or why there are none."""

@@ -13,13 +13,13 @@ from vehicledyn.analyse.identify import Estimate, estimate
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.analyses.simulation.prepared_run import prepare_run
 from vehicledyn.base.errors import InputError, nearest_name
+from vehicledyn.base.step_memory import Memory, Shelf
 from vehicledyn.base.units import shown
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.results.tables.identification_table import IdentificationTable
 from vehicledyn.studies.identification.experiments import Experiment, Fitting, Measured
 from vehicledyn.studies.identification.identified import Unknowns
-from vehicledyn.studies.kept_runs import KeptRuns
 
 Floats = NDArray[np.float64]
 
@@ -114,7 +114,7 @@ def identify_from(
     *,
     progress: Progress,
     held_out: Sequence[str] = (),
-    runs: KeptRuns | None = None,
+    runs: Memory | None = None,
     remarks: Sequence[str] = (),
 ) -> IdentificationReport:
     """Return the parameters with which scenarios come closest to measurements of all experiments.
@@ -147,7 +147,7 @@ def identify_from(
     fitted = [item for item in experiments if item.name not in held_out]
     if not fitted:
         raise InputError("all experiments are held out; leave one or more to fit")
-    known = runs or KeptRuns(None, (), resume=False)
+    known = runs or Memory(Shelf())
     fittings = [Fitting.of(item, known, progress) for item in experiments]
     chosen = [item for item in fittings if item.experiment in fitted]
     unknowns = Unknowns.of(parameters, [item.study for item in fittings])
@@ -217,7 +217,7 @@ def _table(
 
 
 def _notes(
-    unknowns: Unknowns, found: Estimate, fittings: list[Fitting], known: KeptRuns
+    unknowns: Unknowns, found: Estimate, fittings: list[Fitting], known: Memory
 ) -> list[str]:
     """Return what a reader of the result must know of it."""
     names = unknowns.names

@@ -10,10 +10,12 @@ from typing import Any
 import numpy as np
 
 from vehicledyn.analyses.preparation.prepared import Progress
+from vehicledyn.analyses.preparation.target_digest import digests_to_keep
 from vehicledyn.base.errors import InputError, nearest_name
 from vehicledyn.base.files.limits import UnreadableFileError, check_regular
 from vehicledyn.base.units import to_si
 from vehicledyn.files.scenario import LoadedScenario
+from vehicledyn.results.hdf5.kept_work import KeptWork
 from vehicledyn.studies.identification.experiments import Experiment, Measured
 from vehicledyn.studies.identification.identified import KEYS
 from vehicledyn.studies.identification.identify import (
@@ -22,7 +24,6 @@ from vehicledyn.studies.identification.identify import (
     identify_from,
 )
 from vehicledyn.studies.identification.measured_data import Signal, read_signals
-from vehicledyn.studies.kept_runs import KeptRuns
 from vehicledyn.studies.study_form import StudyForm
 
 _REQUIRED = ("experiments", "parameters")
@@ -47,11 +48,10 @@ def run_identification_study(
     path: Path,
     overrides: Sequence[str],
     *,
-    kept: Path | None,
-    resume: bool,
+    kept: KeptWork,
     progress: Progress,
-) -> tuple[IdentificationReport, KeptRuns]:
-    """Return what a study file asks for, and its runs.
+) -> IdentificationReport:
+    """Return what a study file asks for.
 
     Parameters
     ----------
@@ -60,9 +60,7 @@ def run_identification_study(
     overrides
         Changes ``key=value`` of all scenarios.
     kept
-        File for the runs, so that a stopped search can go on; None for none.
-    resume
-        Whether to use the runs that are there already.
+        What is kept while it is computed.
     progress
         Called with what is going on.
 
@@ -74,9 +72,10 @@ def run_identification_study(
         If a run fails at the start.
     """
     study = load_identification(path, overrides)
-    runs = KeptRuns(kept, study.texts, resume=resume)
+    scenarios = digests_to_keep(kept, [item.loaded for item in study.experiments])
+    runs = kept.memory("identify", study.texts, scenarios, asked_again=True)
     try:
-        found = identify_from(
+        return identify_from(
             study.title,
             study.experiments,
             study.parameters,
@@ -87,7 +86,6 @@ def run_identification_study(
         )
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
-    return found, runs
 
 
 def load_identification(path: Path, overrides: Sequence[str] = ()) -> IdentificationStudy:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,17 +18,20 @@ from vehicledyn.analyse.optimal_control.solve import Solution, solve_on_mesh
 from vehicledyn.analyse.optimal_control.trajectory import DEGREE, Trajectory, radau_points
 from vehicledyn.analyse.optimal_control.transcription import PointModel
 from vehicledyn.analyses.preparation.prepared import Progress
+from vehicledyn.analyses.preparation.target_digest import digests_to_keep
+from vehicledyn.base.step_memory import Memory
 from vehicledyn.base.units import shown
+from vehicledyn.results.hdf5.kept_work import KeptWork
 from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.results.tables.manoeuvre_table import ManoeuvreTable
 from vehicledyn.studies.manoeuvre_optimisation.file import ManoeuvreStudy
 from vehicledyn.studies.manoeuvre_optimisation.guess import first_guess, state_scales
-from vehicledyn.studies.manoeuvre_optimisation.kept_iterate import KeptIterate
 from vehicledyn.studies.manoeuvre_optimisation.model import PreparedManoeuvre, prepare_manoeuvre
 from vehicledyn.symbolic.equations import Channel
 
 Floats = NDArray[np.float64]
 
+_ITERATE = "iterate"
 _STEPS, _LONGEST_STEP = 2000, 5e-3
 """Steps of the check's simulation at least, and its longest step [s], where none is given."""
 
@@ -86,9 +88,7 @@ class ManoeuvreReport:
         }
 
 
-def run_manoeuvre(
-    study: ManoeuvreStudy, *, kept: Path | None, resume: bool, progress: Progress
-) -> ManoeuvreReport:
+def run_manoeuvre(study: ManoeuvreStudy, *, kept: KeptWork, progress: Progress) -> ManoeuvreReport:
     """Return the optimal manoeuvre of a study; its status is "failed" where none was found.
 
     Parameters
@@ -96,9 +96,7 @@ def run_manoeuvre(
     study
         The validated study.
     kept
-        File for the iterate, so that a search that was killed can go on from it; None for none.
-    resume
-        Whether to begin with the iterate that is there.
+        What is kept while it is searched for: the last iterate.
     progress
         Called with what is going on.
 
@@ -111,9 +109,10 @@ def run_manoeuvre(
     """
     manoeuvre = prepare_manoeuvre(study, progress)
     start = first_guess(manoeuvre)
-    store = KeptIterate(kept, [study.text, study.target.text, repr(study.target.overrides)])
-    known = store.recall() if resume else None
-    search = _Search(manoeuvre, state_scales(start), store, progress)
+    facts = "optimise-manoeuvre", study.text, digests_to_keep(kept, [study.target])
+    memory = kept.memory(*facts, kinds=(Trajectory,))
+    known = memory.noted(_ITERATE)
+    search = _Search(manoeuvre, state_scales(start), memory, progress)
     solution = search.run(known or start, is_warm=known is not None)
     notes = ["went on from the iterate that was kept"] if known is not None else []
     return ManoeuvreReport(search.table(solution, notes))
@@ -135,11 +134,11 @@ class _Search:
         self,
         manoeuvre: PreparedManoeuvre,
         scales: Floats,
-        store: KeptIterate,
+        memory: Memory,
         progress: Progress,
     ) -> None:
         self.manoeuvre, self.scales = manoeuvre, scales
-        self.store, self.progress = store, progress
+        self.memory, self.progress = memory, progress
         self.history: list[tuple[float, float]] = []
         self.mesh_errors: list[float] = []
         self.units = [s.unit for s in manoeuvre.problem.equations.states]
@@ -175,7 +174,7 @@ class _Search:
         self.progress(
             f"iteration {number}: objective {objective:.6g}, off by {violation:.1e}", None
         )
-        self.store.keep(at)
+        self.memory.note(_ITERATE, at)
 
     def _run_of(self, trajectory: Trajectory) -> ControlledRun:
         kernel, step = self.manoeuvre.prepared.kernel, self._step(trajectory)

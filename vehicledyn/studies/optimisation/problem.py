@@ -19,9 +19,9 @@ from vehicledyn.analyses.sensitivity.figure_names import check_figures
 from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
 from vehicledyn.analyses.sensitivity.names import Wanted, directions, wanted
 from vehicledyn.base.errors import InputError, NumericalError, nearest_name
+from vehicledyn.base.step_memory import Memory
 from vehicledyn.base.units import to_si
 from vehicledyn.results.store.linear_file import Quantity
-from vehicledyn.studies.kept_runs import KeptRuns
 from vehicledyn.studies.optimisation.file import Limit, OptimisationStudy
 from vehicledyn.studies.optimisation.scatter import Scatter, combined
 
@@ -78,7 +78,7 @@ class Problem:
     """
 
     def __init__(
-        self, study: OptimisationStudy, kept: KeptRuns, progress: Progress, choice: str = ""
+        self, study: OptimisationStudy, kept: Memory, progress: Progress, choice: str = ""
     ) -> None:
         self._study, self._kept = study, kept
         self._mark = [choice] if choice else []
@@ -146,7 +146,7 @@ class Problem:
         """Return the figures at a point, with gradients that are zero where none are wanted."""
         kind = [] if follows else ["plain"]
         key = [*self._mark, *kind, *point.tolist()]
-        entry = self._kept.entry(key, lambda: self._new(point, follows=follows))
+        entry = self._kept.recall("run", key, lambda: self._new(point, follows=follows))
         self.units |= entry.get("units", {})
         if "failure" in entry:
             raise NumericalError(str(entry["failure"]))

@@ -7,7 +7,6 @@ import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,11 +15,13 @@ from numpy.typing import NDArray
 from vehicledyn.analyse.global_search import explore
 from vehicledyn.analyse.optimise import Optimum, Values, optimise
 from vehicledyn.analyses.preparation.prepared import Progress
+from vehicledyn.analyses.preparation.target_digest import digests_to_keep
 from vehicledyn.base.errors import NumericalError
+from vehicledyn.base.step_memory import Memory
 from vehicledyn.base.units import shown
+from vehicledyn.results.hdf5.kept_work import KeptWork
 from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.results.tables.optimum_table import FrontPoint, OptimumTable
-from vehicledyn.studies.kept_runs import KeptRuns
 from vehicledyn.studies.optimisation.file import Limit, OptimisationStudy
 from vehicledyn.studies.optimisation.problem import Problem
 
@@ -116,7 +117,7 @@ class OptimumReport:
 
 
 def run_optimisation(
-    study: OptimisationStudy, *, kept: Path | None, resume: bool, progress: Progress
+    study: OptimisationStudy, *, kept: KeptWork, progress: Progress
 ) -> OptimumReport:
     """Return the optimum of a study.
 
@@ -125,9 +126,7 @@ def run_optimisation(
     study
         The validated study.
     kept
-        File for the evaluations, so that a stopped search can be gone on with; None for none.
-    resume
-        Whether to use the evaluations that are there already.
+        What is kept while it is searched for.
     progress
         Called with what is going on.
 
@@ -139,8 +138,9 @@ def run_optimisation(
         If the start has no motion or no derivatives.
     """
     variants = study.choices or (("", study.scenarios),)
-    texts = [f"{x.text}{x.overrides!r}" for _, group in variants for x in group.values()]
-    runs = KeptRuns(kept, [study.text, *texts], resume=resume)
+    loaded = [scenario for _, group in variants for scenario in group.values()]
+    digests = digests_to_keep(kept, loaded)
+    runs = kept.memory("optimise", study.text, digests, asked_again=True)
     found: list[tuple[str, OptimumReport]] = []
     notes = []
     for choice, scenarios in variants:
@@ -169,7 +169,7 @@ def run_optimisation(
 
 
 def _optimum(
-    study: OptimisationStudy, runs: KeptRuns, progress: Progress, choice: str
+    study: OptimisationStudy, runs: Memory, progress: Progress, choice: str
 ) -> OptimumReport:
     """Return the optimum for the scenarios of a study, one of several choices or the only one."""
     problem = Problem(study, runs, progress, choice)

@@ -17,11 +17,11 @@ from vehicledyn.analyses.sensitivity.figure_names import check_figures
 from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
 from vehicledyn.analyses.sensitivity.names import Wanted, directions, named_channels, wanted
 from vehicledyn.base.errors import InputError, NumericalError, nearest_name
+from vehicledyn.base.step_memory import Memory, Shelf
 from vehicledyn.base.units import to_si
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.studies.distributions import read_law, wrong
-from vehicledyn.studies.kept_runs import KeptRuns
 from vehicledyn.studies.uncertainty.report import Risk, UncertaintyReport
 
 Floats = NDArray[np.float64]
@@ -50,7 +50,7 @@ class Cases:
     names: list[str]
     laws: list[Distribution]
     progress: Progress
-    runs: KeptRuns = field(default_factory=lambda: KeptRuns(None, (), resume=False))
+    runs: Memory = field(default_factory=lambda: Memory(Shelf()))
     known: list[Floats] = field(default_factory=list)
     points: list[Floats] = field(default_factory=list)
     asked_for: set[tuple[Any, ...]] = field(default_factory=set)
@@ -171,7 +171,7 @@ class Cases:
 
     def _entry(self, key: list[Any], point: Floats, *, follows: bool) -> dict[str, Any]:
         self.asked_for.add(tuple(key))
-        entry = self.runs.entry(key, partial(self._run, point, follows=follows))
+        entry = self.runs.recall("run", key, partial(self._run, point, follows=follows))
         if "failure" in entry:
             raise NumericalError(str(entry["failure"]))
         self.quantities = tuple(Quantity(*item) for item in entry["figures"])

@@ -21,9 +21,9 @@ from vehicledyn.analyse.uncertainty import (
 )
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.base.errors import InputError
+from vehicledyn.base.step_memory import Memory, Shelf
 from vehicledyn.base.units import shown
 from vehicledyn.files.scenario import LoadedScenario
-from vehicledyn.studies.kept_runs import KeptRuns
 from vehicledyn.studies.uncertainty.cases import Cases, Limited
 from vehicledyn.studies.uncertainty.report import Risk, UncertaintyReport
 
@@ -49,7 +49,7 @@ def find_uncertainty(
     seed: int,
     limits: Mapping[str, Mapping[str, Any]],
     progress: Progress,
-    runs: KeptRuns | None = None,
+    runs: Memory | None = None,
 ) -> UncertaintyReport:
     """Return how the figures of a scenario scatter.
 
@@ -86,7 +86,7 @@ def find_uncertainty(
     if number < 2 or (method == "sobol" and number & (number - 1)):
         raise InputError(f"number: {number}: at least 2, of Sobol indices a power of two")
     cases = Cases.of(loaded, list(of), parameters, progress)
-    cases.runs = runs or KeptRuns(None, (), resume=False)
+    cases.runs = runs or Memory(Shelf())
     cases.check_limits(method, limits)
     return METHODS[method](cases, number, seed)
 

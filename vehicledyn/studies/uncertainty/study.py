@@ -11,11 +11,12 @@ from typing import Any
 import numpy as np
 
 from vehicledyn.analyses.preparation.prepared import Progress
+from vehicledyn.analyses.preparation.target_digest import digests_to_keep
 from vehicledyn.analyses.sensitivity.figure_names import check_figures
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.files.scenario import LoadedScenario
+from vehicledyn.results.hdf5.kept_work import KeptWork
 from vehicledyn.results.tables.uncertainty_table import UncertaintyTable
-from vehicledyn.studies.kept_runs import KeptRuns
 from vehicledyn.studies.study_form import StudyForm
 from vehicledyn.studies.uncertainty.report import UncertaintyReport
 from vehicledyn.studies.uncertainty.run import METHODS, find_uncertainty
@@ -66,11 +67,10 @@ def run_uncertainty_study(
     path: Path,
     overrides: Sequence[str],
     *,
-    kept: Path | None,
-    resume: bool,
+    kept: KeptWork,
     progress: Progress,
-) -> tuple[UncertaintyReport, KeptRuns]:
-    """Return what a study file asks for, and its runs.
+) -> UncertaintyReport:
+    """Return what a study file asks for.
 
     Parameters
     ----------
@@ -79,9 +79,7 @@ def run_uncertainty_study(
     overrides
         Changes ``key=value`` of the scenario.
     kept
-        File for the runs, so that a stopped study can go on; None for none.
-    resume
-        Whether to use the runs that are there already.
+        What is kept while it is computed.
     progress
         Called with what is going on.
 
@@ -93,9 +91,11 @@ def run_uncertainty_study(
         If a run fails.
     """
     study = load_uncertainty(path, overrides)
-    runs = KeptRuns(kept, study.texts, resume=resume)
+    runs = kept.memory(
+        "uncertainty", study.texts, digests_to_keep(kept, [study.loaded]), asked_again=True
+    )
     try:
-        found = find_uncertainty(
+        return find_uncertainty(
             study.loaded,
             study.of,
             study.parameters,
@@ -108,7 +108,6 @@ def run_uncertainty_study(
         )
     except InputError as error:
         raise study.form.placed(error) from None
-    return found, runs
 
 
 def load_uncertainty(path: Path, overrides: Sequence[str] = ()) -> UncertaintyStudy:

@@ -5,9 +5,11 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import sys
 from collections.abc import Iterator
 from functools import cache
 from importlib.metadata import version
+from pathlib import Path
 from typing import Any
 
 from vehicledyn.analyses.preparation.memory.named_files import named_files
@@ -44,11 +46,21 @@ def key_of(target: Target, *choices: object) -> str | None:
 
 def _is_ours(target: Target) -> bool:
     """Return whether the model and all parts of a scenario, theirs too, are this package's."""
-    if target.built is not None:
-        return False
+    return target.built is None and not _foreign_modules(target)
+
+
+def foreign_sources(target: Target) -> list[str]:
+    """Return the code of models and parts of a scenario that are not this package's."""
+    modules = [sys.modules.get(name) for name in sorted(_foreign_modules(target))]
+    files = [Path(module.__file__) for module in modules if getattr(module, "__file__", None)]  # type: ignore[union-attr, arg-type]
+    return [file.read_text(encoding="utf-8", errors="replace") for file in files if file.is_file()]
+
+
+def _foreign_modules(target: Target) -> set[str]:
     written = target.written
     kinds = [*_kinds(target.choices), *written.classes, *_kinds(written.file)]
-    return all(kind.__module__.split(".")[0] == PACKAGE for kind in kinds)
+    names = {kind.__module__ for kind in kinds}
+    return {name for name in names if name.split(".")[0] != PACKAGE}
 
 
 def _kinds(part: Any) -> Iterator[type]:
