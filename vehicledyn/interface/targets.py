@@ -67,21 +67,33 @@ def read_target(
     InputError
         If there is none, or something is wrong with it or with a change.
     """
+    return _read(source, preferred, of_scenario=overrides, of_model=overrides)
+
+
+def _read(
+    source: Source,
+    preferred: tuple[Kind, Kind],
+    *,
+    of_scenario: Sequence[str],
+    of_model: Sequence[str] = (),
+) -> Target:
+    """Return what is meant, with the changes of what it is."""
     if isinstance(source, Target):
-        return source.with_overrides(overrides) if overrides else source
+        changes = of_model if source.choices is None else of_scenario
+        return source.with_overrides(changes) if changes else source
     if isinstance(source, System):
-        return _of_system(source, overrides)
+        return _of_system(source, of_model)
     if not isinstance(source, str | Path):
         raise InputError(
             f"{argument('scenario')}: expected a path, a name, a System or what vehicledyn.load "
             f"returned, found {type(source).__name__}"
         )
     if source in kinds("model") and not Path(f"{source}.yaml").is_file():
-        return load_model(str(source), overrides)
+        return load_model(str(source), of_model)
     path = locate(str(source), preferred, kinds("model"))
     if is_system(read_yaml(path).data):
-        return load_model(str(path), overrides)
-    return load_scenario(path, overrides)
+        return load_model(str(path), of_model)
+    return load_scenario(path, of_scenario)
 
 
 def read_scenario(source: Source, overrides: Sequence[str] = ()) -> LoadedScenario:
@@ -92,9 +104,9 @@ def read_scenario(source: Source, overrides: Sequence[str] = ()) -> LoadedScenar
     InputError
         As :func:`read_target`, and if a model cannot run without more being said.
     """
-    target = read_target(source, (), ("scenario", "system"))
+    target = _read(source, ("scenario", "system"), of_scenario=overrides)
     if target.choices is not None:
-        return target.with_overrides(overrides) if overrides else target
+        return target
     name = target.model_name
     data = {"title": name, "model": _model_name(target), **USUAL_RUN, **_usual_of(target)}
     document = parse_yaml(_as_text(data), name)

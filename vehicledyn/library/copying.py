@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.files.whole_file import copy_whole, folder_for_files
+from vehicledyn.base.nested import leaves
 from vehicledyn.base.yaml import read_yaml
 from vehicledyn.library.names import Entry, library_folder
 
@@ -60,17 +60,12 @@ def referenced(path: Path) -> list[Path]:
             continue
         found[file] = None
         if file.suffix == ".yaml":
-            named = (file.parent / text for text in _texts(read_yaml(file).data))
+            texts = filter(_may_name_file, leaves(read_yaml(file).data))
+            named = (file.parent / text for text in texts)
             waiting += [other.resolve() for other in named if other.is_file()]
     return list(found)
 
 
-def _texts(data: Any) -> Iterator[str]:
-    """Yield all texts of a document that may name a file."""
-    inner = data.values() if isinstance(data, dict) else data if isinstance(data, list) else ()
-    for item in inner:
-        if isinstance(item, str):
-            if Path(item).suffix and "\n" not in item and len(item) <= _LONGEST_NAME:
-                yield item
-        else:
-            yield from _texts(item)
+def _may_name_file(text: Any) -> bool:
+    is_short = isinstance(text, str) and "\n" not in text and len(text) <= _LONGEST_NAME
+    return is_short and bool(Path(text).suffix)

@@ -8,6 +8,7 @@ import sys
 from collections.abc import Iterator
 from typing import Any
 
+from vehicledyn.base.nested import leaves
 from vehicledyn.base.parameters import ParameterSet
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.files.scenario.target import Target
@@ -68,17 +69,13 @@ def _record(family: str, kind: str, does: str, source: str) -> dict[str, str]:
 
 def _parts(value: Any) -> Iterator[Any]:
     """Yield the parts of catalogues in a value, from whole to part."""
-    if isinstance(value, ParameterSet):
-        if getattr(value, "family", "") and getattr(value, "kind", ""):
-            yield value
-        for name in type(value).model_fields:
-            yield from _parts(getattr(value, name))
-    elif isinstance(value, dict):
-        for item in value.values():
-            yield from _parts(item)
-    elif isinstance(value, list | tuple):
-        for item in value:
-            yield from _parts(item)
+    for item in leaves(value):
+        if not isinstance(item, ParameterSet):
+            continue
+        if getattr(item, "family", "") and getattr(item, "kind", ""):
+            yield item
+        for name in type(item).model_fields:
+            yield from _parts(getattr(item, name))
 
 
 def _source(entry: type[Any]) -> str:

@@ -156,7 +156,8 @@ def examine_scenario(
     if not isinstance(document.data, dict) or is_system(document.data):
         return None, problems
     data, sources = copied(document.data), Sources(document)
-    groups = built.groups if built else _parameter_groups(data.get("model"), path)
+    is_changed = bool(overrides or changes)
+    groups = _parameter_groups(data.get("model"), path, built) if is_changed else set()
     found = [apply_override(data, override, sources, groups) for override in overrides]
     found += [apply_change(data, change, sources, groups) for change in changes]
     problems += [problem for problem in found if problem is not None]
@@ -271,7 +272,7 @@ def load_model(
     sources = Sources(Document(name, ""))
     data: dict[str, Any] = {"parameters": {}, **({"initial": {}} if in_file else {})}
     may_change = tuple(data)
-    groups = built.groups if built else _parameter_groups(name, Path("-"))
+    groups = _parameter_groups(name, Path("-"), built) if overrides else set()
     found = (apply_override(data, override, sources, groups) for override in overrides)
     problems = [problem for problem in found if problem is not None]
     words = "only 'parameters' of a model can be set; give a scenario to change more"
@@ -306,8 +307,10 @@ def is_system_file(path: Path) -> bool:
     return is_system(read_yaml(path).data)
 
 
-def _parameter_groups(model: Any, path: Path) -> set[str]:
+def _parameter_groups(model: Any, path: Path, built: PythonModel | None) -> set[str]:
     """Return the first words of a model's parameters that no scenario field has."""
+    if built is not None:
+        return built.groups
     if isinstance(model, str) and model in kinds("model"):
         groups = set(find("model", model).parameter_class.model_fields)
     elif is_written(model) and system_path(model, path.parent).is_file():

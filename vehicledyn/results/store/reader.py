@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError, unknown_name
-from vehicledyn.results.hdf5.damage import reading, rows_in_words
+from vehicledyn.results.hdf5.damage import reading
 from vehicledyn.results.hdf5.opening import OpenFile, open_file
 from vehicledyn.results.hdf5.output import is_being_written
 from vehicledyn.results.hdf5.seal import DamagedError
@@ -24,6 +24,7 @@ from vehicledyn.results.store.animation_section import (
     read_animation,
     read_rows,
 )
+from vehicledyn.results.store.checked_columns import CheckedColumns
 from vehicledyn.results.store.column import Column
 from vehicledyn.results.store.consistency import require_groups, require_stored
 from vehicledyn.results.store.decimation import ColumnRange, column_range, portions, thinned
@@ -36,7 +37,6 @@ from vehicledyn.results.store.layout import (
     SummaryEntry,
     dataset_path,
 )
-from vehicledyn.results.store.row_checksums import check_rows
 from vehicledyn.results.store.soundness import (
     check_format,
     check_lengths,
@@ -103,7 +103,6 @@ class Result(contextlib.AbstractContextManager["Result"]):
     def __init__(self, path: Path, file: OpenFile, *, most: int | None = None) -> None:
         self.path = path
         self._file = file
-        self._sound: set[str] = set()
         closed = file.is_finished
         with self._reading():
             check_format(self.path, self._file)
@@ -122,10 +121,10 @@ class Result(contextlib.AbstractContextManager["Result"]):
             require_groups(file, (*_BESIDE, GROUP))
             for group in _BESIDE & set(file):
                 require_stored(file[group])
-            self._check_sums("time")
+            self._columns = CheckedColumns(file, self.channels, self.samples)
             self._thinning = thinned(self.samples, most)
             self.block = self._thinning.block
-            self.time = self._thinning.times(file["time"])
+            self.time = self._thinning.times(self._columns["time"])
             self.is_timed = str(file["time"].attrs.get("units", "s")) == "s"
             check_lengths(path, lengths, closed=closed)
             check_times(path, portions(file["time"], self.samples), closed=closed)
@@ -170,8 +169,7 @@ class Result(contextlib.AbstractContextManager["Result"]):
         """
         self.require(name)
         with self._reading():
-            dataset = self._file[dataset_path(name)]
-            self._check_sums(name)
+            dataset = self._columns[name]
             values = self._thinning.values(dataset) if rows is None else read_rows(dataset, rows)
         return Series(name, values, *self.facts(name))
 
@@ -180,8 +178,7 @@ class Result(contextlib.AbstractContextManager["Result"]):
         if name != "time":
             self.require(name)
         with self._reading():
-            self._check_sums(name)
-            return Column(self._file[dataset_path(name)], self.samples, self._reading)
+            return Column(self._columns[name], self.samples, self._reading)
 
     def facts(self, name: str) -> tuple[str, str, str]:
         """Return unit, meaning and frame of a channel."""
@@ -194,8 +191,7 @@ class Result(contextlib.AbstractContextManager["Result"]):
         """Return the range of a channel over all samples, thinned or not."""
         self.require(name)
         with self._reading():
-            self._check_sums(name)
-            return column_range(self._file[dataset_path(name)], self.samples)
+            return column_range(self._columns[name], self.samples)
 
     def require(self, name: str) -> None:
         """Raise an InputError unless the file has this channel."""
@@ -216,11 +212,10 @@ class Result(contextlib.AbstractContextManager["Result"]):
             group = self._file["states"]
             if "value" not in group:
                 return StateTable((), (), np.empty((self.samples, 0)))
-            self._check_sums("states/value")
             return StateTable(
                 names=texts(group["name"]),
                 units=texts(group["units"]),
-                values=np.asarray(group["value"][: self.samples], dtype=float),
+                values=np.asarray(self._columns["states/value"][: self.samples], dtype=float),
             )
 
     def history(self, latest: float) -> History | None:
@@ -238,12 +233,10 @@ class Result(contextlib.AbstractContextManager["Result"]):
         """Return times, channels and states of some samples, (n,) and (n, ...)."""
         with self._reading():
             self._check_states()
-            for name in ("time", *self.channels, "states/value"):
-                self._check_sums(name)
             part = slice(start, stop)
-            columns = [self._file[dataset_path(name)][part] for name in self.channels]
-            states = self._file["states/value"][part] if self.state_names else None
-            times = np.asarray(self._file["time"][part], dtype=float)
+            times = np.asarray(self._columns["time"][part], dtype=float)
+            columns = [self._columns[name][part] for name in self.channels]
+            states = self._columns["states/value"][part] if self.state_names else None
             table = np.array(columns, dtype=float).reshape(len(columns), len(times)).T
             return times, table, np.empty((len(times), 0)) if states is None else states
 
@@ -363,22 +356,6 @@ class Result(contextlib.AbstractContextManager["Result"]):
         names = self.state_names
         if names and self._file["states/value"].shape[1:] != (len(names),):
             raise DamagedError(f"states/value has the shape {self._file['states/value'].shape}")
-
-    def _check_sums(self, name: str) -> None:
-        """Compare a column with its checksums, once, unless every byte is checked anyway."""
-        guard = self._file.guard
-        if guard is None or guard.is_sealed or name in self._sound:
-            return
-        number = {"time": 0, "states/value": -1}.get(name)
-        if number is None:
-            number = 1 + self.channels.index(name)
-        dataset = self._file[dataset_path(name)]
-        try:
-            check_rows(self._file, number, dataset, self.samples)
-        except DamagedError as error:
-            words = rows_in_words(self._file, name, error.first, error.last)
-            raise DamagedError(f"{error} of {words}") from error
-        self._sound.add(name)
 
     def _attributes(self, place: str) -> dict[str, Any]:
         with self._reading():

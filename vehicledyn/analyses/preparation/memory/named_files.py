@@ -6,9 +6,9 @@ import hashlib
 import re
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 from vehicledyn.base.files.limits import TooLargeError, UnreadableFileError, read_regular
+from vehicledyn.base.nested import leaves
 from vehicledyn.files.scenario.target import Target
 
 _NAMING = (".yaml", ".yml", ".crg")
@@ -29,7 +29,9 @@ def named_files(target: Target) -> dict[str, str]:
     whether they may name one.
     """
     found: dict[str, str] = {}
-    waiting = [(text, target.origin.parent) for text in _texts(target.resolved)]
+    waiting = [
+        (text, target.origin.parent) for text in leaves(target.resolved) if isinstance(text, str)
+    ]
     folder = Path(target.written.path).parent
     waiting += [(text, folder) for text in _words(target.written.text)]
     while waiting:
@@ -58,18 +60,6 @@ def _content(path: Path) -> bytes | None:
         return f"{facts.st_size} {facts.st_mtime_ns}".encode()
     except UnreadableFileError:
         return None
-
-
-def _texts(data: Any) -> Iterator[str]:
-    """Yield the texts in plain data."""
-    if isinstance(data, str):
-        yield data
-    elif isinstance(data, dict):
-        for item in data.values():
-            yield from _texts(item)
-    elif isinstance(data, list | tuple):
-        for item in data:
-            yield from _texts(item)
 
 
 def _words(text: str) -> Iterator[str]:
