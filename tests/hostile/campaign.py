@@ -44,6 +44,9 @@ KINDS = {
     "fitted": analysed_cases.fitted,
 }
 TOLD = 200  # cases after which a long campaign says how far it is
+FEWEST_JUDGED, LEAST_WHOLE = 30, 0.01
+"""Cases of a kind from which on a share at least must succeed: else nothing behind its first check
+is attacked."""
 WEIGHTS = {"scenario": 3, "system": 3, "option": 2, "result": 4, "table": 2, "analysed": 2}
 
 
@@ -67,6 +70,15 @@ class Table:
         self.memory[kind] = max(self.memory[kind], memory)
         if faults:
             self.failures.append((kind, number, "; ".join(faults)))
+
+    def judge(self):
+        """Enter a failure of each kind that hardly ever succeeds."""
+        for kind, codes in self.codes.items():
+            enough = max(1.0, LEAST_WHOLE * codes.total())
+            if codes.total() >= FEWEST_JUDGED and codes["0"] < enough:
+                words = f"{codes['0']} of {codes.total()} cases succeed: its cases are worn out"
+                self.failures.append((kind, 0, words))
+        self.failures.sort()
 
     def as_text(self, wall):
         lines = [f"{self.total} cases in {wall:.0f} s, {len(self.failures)} failed"]
@@ -109,7 +121,7 @@ def attack(number, *, first=0, kinds=None, processes=2, keep=None, tell=None):
                 tell(f"{table.total} of {len(numbered)} cases")
             if tell is not None and found[-1]:
                 tell(f"FAILED {found[0]} {found[1]}: {'; '.join(found[-1])}")
-    table.failures.sort()
+    table.judge()
     return table
 
 

@@ -38,6 +38,15 @@ def test_cases_follow_from_their_numbers():
             assert (other.command, other.files) != (first.command, first.files)
 
 
+def test_a_kind_that_hardly_ever_succeeds_is_a_failure():
+    table = campaign.Table()
+    for kind, code in (("worn", 2), ("sharp", 0)):
+        for number in range(campaign.FEWEST_JUDGED):
+            table.enter(kind, number, code if number == 0 else 2, 0, 0.1, 1, [])
+    table.judge()
+    assert table.failures == [("worn", 0, "0 of 30 cases succeed: its cases are worn out")]
+
+
 @pytest.mark.parametrize(
     ("program", "fault"),
     [

@@ -112,6 +112,14 @@ class StudyForm:
             return default
         return float(value)
 
+    def choice(self, key: str, default: str, known: Collection[str]) -> str:
+        """Return one of the known words of the study, noted as wrong if it is none."""
+        value = self.data.get(key, default)
+        if isinstance(value, str) and value in known:
+            return value
+        self.wrong((key,), f"'{value!s:.40}' is unknown; known: {', '.join(known)}")
+        return default
+
     def placed(self, error: InputError) -> InputError:
         """Return an error about a key of the study, which it names, with file, line and column."""
         places = {dotted(place): place for place in self.document.values}

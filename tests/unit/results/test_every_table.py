@@ -3,9 +3,11 @@
 import importlib
 import pkgutil
 
+import h5py
 import numpy as np
 import pytest
 
+from vehicledyn.base.errors import InputError
 from vehicledyn.results import tables
 from vehicledyn.results.compare.any_compare import compare_results
 from vehicledyn.results.compare.table_compare import KINDS as COMPARED
@@ -114,3 +116,13 @@ def test_a_file_is_understood_by_every_command(tmp_path, write):
     assert content.title and content.what
     assert LabelledData(path).kind in LABELLED.values()
     assert compare_results(path, path).verdict == "equal"
+
+
+@pytest.mark.parametrize("sweep", ["longitudinal", "lateral", "cambered", "combined"])
+def test_a_tyre_without_one_of_its_sweeps_is_refused(tmp_path, sweep):
+    path = tmp_path / "tyre.h5"
+    tyre(path)
+    with h5py.File(path, "r+") as file:
+        del file[f"tyre_1/{sweep}"]
+    with pytest.raises(InputError, match=sweep):
+        read_tyres(path)

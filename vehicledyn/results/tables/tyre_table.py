@@ -108,7 +108,7 @@ def read_tyres(path: Path) -> list[TyreTable]:
 
 
 def _read_sweeps(tyre: h5py.Group) -> dict[str, dict[str, Array]]:
-    require_columns(tyre, ("longitudinal", "lateral", "combined"))
+    require_columns(tyre, ("longitudinal", "lateral", "cambered", "combined"))
     return {sweep: _read_columns(group) for sweep, group in tyre.items()}
 
 

@@ -122,7 +122,7 @@ def _held_out(form: StudyForm, known: dict[str, Any]) -> list[str]:
         form.wrong(("hold_out",), "expected a list of experiments")
         return []
     for k, name in enumerate(names):
-        if name not in known:
+        if not isinstance(name, str) or name not in known:
             guess = nearest_name(str(name), known)
             hint = f"; did you mean '{guess}'?" if guess else ""
             form.wrong(("hold_out", k), f"'{name}' is no experiment{hint}")

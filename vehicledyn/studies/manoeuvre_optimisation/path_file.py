@@ -33,6 +33,9 @@ _ROWS = 240
 _BEYOND = 0.2
 """Part of an open path that it is continued by at both ends, where a search may look."""
 
+_LONGEST = 1e7
+"""Longest path of a study [m]."""
+
 
 @dataclass(frozen=True)
 class PathTable:
@@ -74,19 +77,23 @@ def read_path(form: StudyForm, given: Any) -> PathTable | None:
 
 
 def _straight(form: StudyForm, given: Any, _: bool) -> Line:
-    form.check(("path", "straight"), given, ("length",))
-    length = _positive(given, "length")
+    _require(form, "straight", given, ("length",))
+    length = to_si(given.get("length"), "m")
+    if not 0.0 < length <= _LONGEST:
+        raise InputError(f"the length must be above zero and at most {_LONGEST:g} m")
     s = _distances(length)
     return s, s, np.zeros_like(s), np.array([length, 0.0]), np.zeros((0, 3))
 
 
 def _arc(form: StudyForm, given: Any, closed: bool) -> Line:
-    form.check(("path", "arc"), given, ("radius", "angle"))
+    _require(form, "arc", given, ("radius", "angle"))
     radius = to_si(given.get("radius"), "m")
     angle = 2.0 * np.pi if closed else to_si(given.get("angle"), "rad")
-    if not radius or angle <= 0.0:
+    if not radius or not angle > 0.0:
         raise InputError("the radius must not be zero and the angle must be above zero")
     length = abs(radius) * angle
+    if not 0.0 < length <= _LONGEST:
+        raise InputError(f"the arc must not be longer than {_LONGEST:g} m")
     s = _distances(length)
     turned = s / radius
     x, y = radius * np.sin(turned), radius * (1.0 - np.cos(turned))
@@ -151,16 +158,15 @@ def _distances(length: float) -> Floats:
     return np.linspace(-_BEYOND * length, (1.0 + _BEYOND) * length, _ROWS)
 
 
-def _positive(given: Any, key: str) -> float:
-    value = to_si(given.get(key) if isinstance(given, dict) else None, "m")
-    if value <= 0.0:
-        raise InputError(f"{key} must be above zero")
-    return value
+def _require(form: StudyForm, kind: str, given: Any, keys: tuple[str, ...]) -> None:
+    """Raise InputError where a kind of path is no mapping; unknown keys are noted in the form."""
+    if not form.check(("path", kind), given, keys):
+        raise InputError(f"expected a mapping with {', '.join(keys)}")
 
 
 def _with_corridor(
     form: StudyForm, given: dict[str, Any], line: Line, place: tuple[str, ...]
-) -> PathTable:
+) -> PathTable | None:
     """Return a path with its corridor: of its file, of a width, or of gates."""
     from scipy.interpolate import PchipInterpolator
 
@@ -172,8 +178,9 @@ def _with_corridor(
         rows = _gates(form, given["gates"], length)
     if not len(rows):
         rows = np.array([[0.0, -right, left], [length, -right, left]])
-    if (rows[:, 1] >= rows[:, 2]).any():
+    if not (rows[:, 1] < rows[:, 2]).all() or not np.isfinite(rows).all():
         form.wrong(("path",), "the corridor has no width: its right side is left of its left one")
+        return None
     if len(rows) == 1:
         rows = np.vstack([rows, rows + np.array([[1.0, 0.0, 0.0]])])
     at = np.clip(np.mod(s, length) if closed else s, rows[0, 0], rows[-1, 0])

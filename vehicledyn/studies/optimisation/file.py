@@ -176,9 +176,7 @@ def load_optimisation(path: Path, overrides: Sequence[str] = ()) -> Optimisation
     )
     if bool(weights) == bool(targets) and not form.problems:
         form.wrong(("minimise",), "give either minimise or least_squares")
-    optimiser = form.data.get("optimiser", "slsqp")
-    if optimiser not in METHODS:
-        form.wrong(("optimiser",), f"'{optimiser!s:.40}' is unknown; known: {', '.join(METHODS)}")
+    optimiser = form.choice("optimiser", "slsqp", METHODS)
     explore = int(form.number("explore", 0, least=0, whole=True))
     deviations = form.number("deviations", 3.0, least=0.0)
     scatter = dict(form.entries(("scatter",)))

@@ -119,9 +119,7 @@ def load_uncertainty(path: Path, overrides: Sequence[str] = ()) -> UncertaintySt
         If anything in it is wrong; all problems of its form are listed.
     """
     form = StudyForm.read(path, required=_REQUIRED, optional=_OPTIONAL)
-    of, method = _figures(form), form.data.get("method", "first_order")
-    if method not in METHODS:
-        form.wrong(("method",), f"'{method}' is unknown; known are {', '.join(METHODS)}")
+    of, method = _figures(form), form.choice("method", "first_order", METHODS)
     number = int(form.number("number", 256, least=2, most=_MOST_RUNS, whole=True))
     seed = int(form.number("seed", 1, least=0, whole=True))
     parameters, limits = dict(form.entries(("parameters",))), dict(form.entries(("limits",)))
