@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from vehicledyn.base.registry import register
 from vehicledyn.base.shapes import Anchor, Coil, Shape
 from vehicledyn.multibody.model.declaration import attachment, law, vector
-from vehicledyn.multibody.model.kinematics import Kinematics
 from vehicledyn.multibody.model.parts import BasePart, Loads, Output, Situation, Wrench
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Channel
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec
+
+if TYPE_CHECKING:
+    from vehicledyn.multibody.model.kinematics import Kinematics
 
 ForceLaw = Callable[[Scalar, Scalar], Scalar]
 """Force [N], positive in tension, from length [m] and its rate [m/s]."""

@@ -15,9 +15,9 @@ from vehicledyn.base.errors import InputError, unknown_name
 from vehicledyn.multibody.loops.constraint_wrenches import UnitAction, unit_actions
 from vehicledyn.multibody.loops.loop_closure import Loops
 from vehicledyn.multibody.loops.redundancy import NEGLIGIBLE
-from vehicledyn.multibody.model.ground import GROUND
+from vehicledyn.multibody.model.ground import GROUND, body_axes
 from vehicledyn.multibody.model.joint_wrench import JointWrench
-from vehicledyn.multibody.model.kinematics import Kinematics, body_axes
+from vehicledyn.multibody.model.kinematics import Kinematics
 from vehicledyn.multibody.model.parts import Wrench
 from vehicledyn.multibody.model.symbols import Symbols
 from vehicledyn.multibody.model.system import System

@@ -6,12 +6,14 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from vehicledyn.base.registry import find
 from vehicledyn.multibody.joints.joint_type import FAMILY, JointType, joint_type
-from vehicledyn.multibody.model.deformation import Flexibility
-from vehicledyn.symbolic.ops import Mat, Scalar
+
+if TYPE_CHECKING:
+    from vehicledyn.multibody.model.deformation import Flexibility
+    from vehicledyn.symbolic.ops import Mat, Scalar
 
 ROLES = ("auto", "independent", "dependent", "driven")
 

@@ -8,12 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from vehicledyn.multibody.model.cuts import Proportional, Residual
-from vehicledyn.multibody.model.kinematics import Kinematics
 from vehicledyn.symbolic import ops
-from vehicledyn.symbolic.ops import Mat, Scalar, Vec
+
+if TYPE_CHECKING:
+    from vehicledyn.multibody.model.kinematics import Kinematics
+    from vehicledyn.symbolic.ops import Mat, Scalar, Vec
 
 _ORIGIN = (0.0, 0.0, 0.0)
 

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from vehicledyn.multibody.joints.joint_type import Axes
-from vehicledyn.multibody.model.deformation import Columns, Deflection, Slice
-from vehicledyn.multibody.model.tree import Tree
 from vehicledyn.symbolic import ops
-from vehicledyn.symbolic.ops import Scalar, Vec
+
+if TYPE_CHECKING:
+    from vehicledyn.multibody.model.deformation import Columns, Deflection, Slice
+    from vehicledyn.multibody.model.tree import Tree
+    from vehicledyn.symbolic.ops import Scalar, Vec
 
 T = TypeVar("T")
 

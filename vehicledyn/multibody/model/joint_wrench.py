@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from vehicledyn.multibody.joints.joint_type import Axes
-from vehicledyn.multibody.model.kinematics import Kinematics
 from vehicledyn.symbolic import ops
-from vehicledyn.symbolic.ops import Mat, Scalar, Vec
+
+if TYPE_CHECKING:
+    from vehicledyn.multibody.joints.joint_type import Axes
+    from vehicledyn.multibody.model.kinematics import Kinematics
+    from vehicledyn.symbolic.ops import Mat, Scalar, Vec
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,9 @@ Everything is evaluated once, on demand.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
-from vehicledyn.multibody.model.ground import GROUND
+from vehicledyn.multibody.model.ground import body_axes
 from vehicledyn.multibody.model.link_motion import (
     ACCELERATED,
     GROUND_LINK,
@@ -16,9 +17,11 @@ from vehicledyn.multibody.model.link_motion import (
     LinkMotion,
     components,
 )
-from vehicledyn.multibody.model.tree import Tree
 from vehicledyn.symbolic import frames, labels, ops
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec
+
+if TYPE_CHECKING:
+    from vehicledyn.multibody.model.tree import Tree
 
 _ORIGIN = (0.0, 0.0, 0.0)
 
@@ -189,11 +192,6 @@ class Relative:
     def _axes(self) -> str:
         """Label of the ancestor's axes."""
         return frames.WORLD if self.ancestor == GROUND_LINK else f"link {self.ancestor}"
-
-
-def body_axes(body: str) -> str:
-    """Return the label of the axes of a body; those of the ground are the world's."""
-    return frames.WORLD if body == GROUND else frames.axes_of(body)
 
 
 def _point_of(body: str, point: Sequence[Scalar] | Vec) -> Vec:

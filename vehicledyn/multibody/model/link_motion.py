@@ -7,14 +7,16 @@ once, on demand.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from vehicledyn.multibody.joints.joint_type import Axes
-from vehicledyn.multibody.model.bodies import Joint
 from vehicledyn.multibody.model.deformed_motion import DeformedMotion
 from vehicledyn.multibody.model.tree import Link, Tree, joint_rotation, joint_turns
 from vehicledyn.symbolic import ops, rotations
-from vehicledyn.symbolic.ops import Mat, Scalar, Vec
+
+if TYPE_CHECKING:
+    from vehicledyn.multibody.model.bodies import Joint
+    from vehicledyn.symbolic.ops import Mat, Scalar, Vec
 
 T = TypeVar("T")
 ACCELERATED = frozenset({"alpha", "acceleration", "beta"})

@@ -8,18 +8,21 @@ equations. Nothing configures a part from outside.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.shapes import Shape
-from vehicledyn.multibody.model.bodies import Body
-from vehicledyn.multibody.model.constraints import Constraint
-from vehicledyn.multibody.model.cuts import Cut
-from vehicledyn.multibody.model.joint_wrench import JointWrench
-from vehicledyn.multibody.model.kinematics import Kinematics, body_axes
+from vehicledyn.multibody.model.ground import body_axes
 from vehicledyn.symbolic import frames
-from vehicledyn.symbolic.equations import Channel, Direction, Variable
-from vehicledyn.symbolic.ops import Scalar, Vec
+
+if TYPE_CHECKING:
+    from vehicledyn.base.shapes import Shape
+    from vehicledyn.multibody.model.bodies import Body
+    from vehicledyn.multibody.model.constraints import Constraint
+    from vehicledyn.multibody.model.cuts import Cut
+    from vehicledyn.multibody.model.joint_wrench import JointWrench
+    from vehicledyn.multibody.model.kinematics import Kinematics
+    from vehicledyn.symbolic.equations import Channel, Direction, Variable
+    from vehicledyn.symbolic.ops import Scalar, Vec
 
 
 @dataclass(frozen=True)
