@@ -15,7 +15,7 @@ class start:  # noqa: N801
     def __init__(self, folder, command, change=None):
         sys.stdout.flush()
         sys.stderr.flush()
-        self._begun, self.share = time.monotonic(), 1.0
+        self._begun, self.share, self.seconds = time.monotonic(), 1.0, 0.0
         self.number = os.fork()
         if self.number == 0:
             code = 99
@@ -41,13 +41,14 @@ class start:  # noqa: N801
     def kill(self, with_children=True):
         """Kill the process, and its children; return whether it had not ended before.
 
-        ``share`` is the part of the time that it had the processor for.
+        ``share`` is the part of the time that it had the processor for, ``seconds`` how long.
         """
         with contextlib.suppress(ProcessLookupError):
             (os.killpg if with_children else os.kill)(self.number, signal.SIGKILL)
         past = time.monotonic() - self._begun
         _, status, usage = os.wait4(self.number, 0)
-        self.share = min(1.0, (usage.ru_utime + usage.ru_stime) / past)
+        self.seconds = usage.ru_utime + usage.ru_stime
+        self.share = min(1.0, self.seconds / past)
         return os.WIFSIGNALED(status)
 
     def kill_children(self):
