@@ -375,6 +375,8 @@ def _names(node: Node) -> Iterator[str]:
 def _replaced(node: Node, names: Mapping[str, Expression]) -> Node:
     if node.name:
         return names[node.name].root if node.name in names else node
+    if not node.arguments:
+        return node
     return replace(node, arguments=tuple(_replaced(n, names) for n in node.arguments))
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import lru_cache
 from typing import Annotated, Any
 
 from pydantic import (
@@ -148,6 +149,7 @@ def _of_kind(item: Any, kind: str) -> Any:
     return {"kind": kind, **item}
 
 
+@lru_cache(maxsize=4096)
 def fact(parameters: type[ParameterSet], name: str, what: str) -> Any:
     """Return what a field was declared with, such as its "measure"; None if it was not."""
     extra = parameters.model_fields[name].json_schema_extra

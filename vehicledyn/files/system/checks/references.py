@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import ChainMap
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import Any
 
@@ -92,7 +93,8 @@ class _Known:
         self.parameters = parameters
         self.driven = {drive.coordinate for drive in file.drives.values()}
         self.switches = dict.fromkeys(file.switches, measure_of("1"))
-        self._bad = parameters.declared - set(parameters.values)
+        self.values, self.measures = parameters.values, parameters.measures
+        self._bad = parameters.declared - set(self.values)
 
     def failed(self, expression: Expression) -> bool:
         """Return whether an expression rests on a parameter that has been complained about."""
@@ -204,7 +206,7 @@ def _expression(item: Found, known: _Known) -> Problems:
             yield item.place, f"'{name}' is also a parameter; give that another name"
             return
     try:
-        found = item.expression.value({**known.parameters.measures, **extra}, MEASURES)
+        found = item.expression.value(ChainMap(extra, known.measures), MEASURES)
     except ExpressionError as error:
         yield item.place, str(error)
         return
@@ -214,9 +216,7 @@ def _expression(item: Found, known: _Known) -> Problems:
         yield (*item.place, *component) if is_list else item.place, words
     if not wrong:
         yield from (
-            _impossible(item, {**known.parameters.values, **extra})
-            if extra
-            else (_bounds(item, known))
+            _impossible(item, {**known.values, **extra}) if extra else (_bounds(item, known))
         )
 
 
@@ -251,7 +251,7 @@ def unfit(measure: Any, unit: str, *, is_vector: bool) -> Iterator[tuple[tuple[i
 
 def _bounds(item: Found, known: _Known) -> Problems:
     try:
-        value = item.expression.value(known.parameters.values, NUMBERS)
+        value = item.expression.value(known.values, NUMBERS)
     except ExpressionError as error:
         yield item.place, str(error)
         return
