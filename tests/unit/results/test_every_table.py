@@ -126,3 +126,16 @@ def test_a_tyre_without_one_of_its_sweeps_is_refused(tmp_path, sweep):
         del file[f"tyre_1/{sweep}"]
     with pytest.raises(InputError, match=sweep):
         read_tyres(path)
+
+
+@pytest.mark.parametrize(
+    ("write", "place"), [(tyre, "tyre_1/combined/slip_angle"), (tyre, "tyre_1/lateral/load"),
+                         (track, "x")]
+)  # fmt: skip
+def test_numbers_that_figures_are_laid_out_by_are_not_missing(tmp_path, write, place):
+    path = tmp_path / "table.h5"
+    write(path)
+    with h5py.File(path, "r+") as file:
+        file[place][...] = np.nan
+    with pytest.raises(InputError, match="no finite numbers"):
+        dict(table_figures(path))

@@ -27,8 +27,15 @@ class Sizes:
 
     known: dict[str, int] = field(default_factory=dict)
 
-    def read(self, group: h5py.Group, name: str, *axes: str | int, infinite: bool = False) -> Any:
-        """Return a dataset of numbers, some of which may be missing, as :meth:`fit` does.
+    def read(
+        self,
+        group: h5py.Group,
+        name: str,
+        *axes: str | int,
+        infinite: bool = False,
+        gaps: bool = True,
+    ) -> Any:
+        """Return a dataset of numbers as :meth:`fit` does, by default with missing ones.
 
         ``infinite`` says whether a computation may have come to infinite ones.
         """
@@ -36,7 +43,7 @@ class Sizes:
         if infinite and values.dtype.kind == "f":
             self.fit(name, np.where(np.isinf(values), 0.0, values), *axes, gaps=True)
             return values
-        return self.fit(name, values, *axes, gaps=True)
+        return self.fit(name, values, *axes, gaps=gaps)
 
     def fit(self, name: str, values: Any, *axes: str | int, gaps: bool = False) -> Any:
         """Return an array of numbers whose axes have the named sizes.

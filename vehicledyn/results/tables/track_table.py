@@ -98,7 +98,7 @@ def read_track_table(path: Path) -> TrackTable:
         columns = {
             name: TrackColumn(
                 str(file[name].attrs["units"]),
-                sizes.read(file, name, "places"),
+                sizes.read(file, name, "places", gaps=name not in _DRAWN),
                 str(file[name].attrs["long_name"]),
             )
             for name in names

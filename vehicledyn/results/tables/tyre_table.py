@@ -30,6 +30,9 @@ COLUMNS = {
 }
 """Columns with their units and meanings, slips first."""
 
+_GIVEN = ("load", "longitudinal_slip", "slip_angle", "camber")
+"""Columns of what the wheel does, of which none is missing."""
+
 FORMAT = "vehicledyn-tyre"
 _TYRE = "tyre_"
 
@@ -114,7 +117,7 @@ def _read_sweeps(tyre: h5py.Group) -> dict[str, dict[str, Array]]:
 
 def _read_columns(group: h5py.Group) -> dict[str, Array]:
     sizes = Sizes()
-    return {name: sizes.read(group, name, "points") for name in COLUMNS}
+    return {name: sizes.read(group, name, "points", gaps=name not in _GIVEN) for name in COLUMNS}
 
 
 def _write_hdf5(tables: list[TyreTable], path: Path) -> None:
