@@ -14,8 +14,9 @@ import ast
 import math
 import re
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 from vehicledyn.base.errors import InputError, unknown_name
@@ -108,10 +109,12 @@ class Expression:
         """The expression as YAML holds it: a number, a text or a list of three."""
         return _plain(self.root)
 
-    @property
-    def names(self) -> list[str]:
+    @cached_property
+    def names(self) -> tuple[str, ...]:
         """Names in the order they occur."""
-        return list(dict.fromkeys(_names(self.root)))
+        found: dict[str, None] = {}
+        _collect_names(self.root, found)
+        return tuple(found)
 
     def replaced(self, names: Mapping[str, Expression]) -> Expression:
         """Return the expression with some names replaced by expressions."""
@@ -365,11 +368,11 @@ def _lookup(name: str, names: Mapping[str, Any], algebra: Algebra) -> Any:
     raise ExpressionError(unknown_name("quantity", name, names))
 
 
-def _names(node: Node) -> Iterator[str]:
+def _collect_names(node: Node, found: dict[str, None]) -> None:
     if node.name and node.name != "pi":
-        yield node.name
+        found[node.name] = None
     for inner in node.arguments:
-        yield from _names(inner)
+        _collect_names(inner, found)
 
 
 def _replaced(node: Node, names: Mapping[str, Expression]) -> Node:
