@@ -85,13 +85,13 @@ def is_same(one: Path | None, other: Path) -> bool:
 
 def _reason(output: Path, kind: str, facts: dict[str, str], goes_on_by: str) -> str:
     """Return why a file is kept, empty if it may be replaced."""
-    from vehicledyn.results.compare.table_compare import KINDS
+    from vehicledyn.results.tables.kinds import held
 
     found = facts.get("format", "")
     if not found:
         return "exists and is no result that can be read"
     if found != kind:
-        return f"holds {KINDS.get(found, found)}, not {KINDS[kind]}"
+        return f"holds {held(found)}, not {held(kind)}"
     if kind in _STUDIES:
         return "holds a study; --resume goes on with it"
     if facts["status"] in ("running", "interrupted"):

@@ -10,9 +10,7 @@ import pytest
 from vehicledyn.base.errors import InputError
 from vehicledyn.results import tables
 from vehicledyn.results.compare.any_compare import compare_results
-from vehicledyn.results.compare.table_compare import KINDS as COMPARED
 from vehicledyn.results.labelled.data import LabelledData
-from vehicledyn.results.labelled.tables import KINDS as LABELLED
 from vehicledyn.results.plots.table_results import TABLES, describe_table, table_figures
 from vehicledyn.results.report.table_content import table_content
 from vehicledyn.results.tables.cam_table import CamColumn, CamTable, read_cam, write_cam
@@ -23,6 +21,7 @@ from vehicledyn.results.tables.handling_table import (
     read_handling,
     write_handling,
 )
+from vehicledyn.results.tables.kinds import TABLES as NAMED
 from vehicledyn.results.tables.track_table import (
     TrackColumn,
     TrackTable,
@@ -38,7 +37,7 @@ FORMATS = {
 }
 
 
-@pytest.mark.parametrize("known", [TABLES, COMPARED, LABELLED], ids=["drawn", "compared", "read"])
+@pytest.mark.parametrize("known", [TABLES, NAMED], ids=["drawn", "named"])
 def test_every_format_is_known(known):
     assert FORMATS
     assert set(known) >= FORMATS
@@ -114,7 +113,7 @@ def test_a_file_is_understood_by_every_command(tmp_path, write):
     assert dict(table_figures(path))
     content = table_content(path)
     assert content.title and content.what
-    assert LabelledData(path).kind in LABELLED.values()
+    assert LabelledData(path).kind in {kind.name for kind in NAMED.values()}
     assert compare_results(path, path).verdict == "equal"
 
 

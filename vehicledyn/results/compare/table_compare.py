@@ -20,41 +20,8 @@ from vehicledyn.results.compare.comparison import ChannelComparison, Comparison
 from vehicledyn.results.compare.tolerances import Tolerances
 from vehicledyn.results.store.dimensions import is_bare
 from vehicledyn.results.store.linear_file import format_of, old_file
-from vehicledyn.results.tables import (
-    cam_table,
-    contact_table,
-    equilibrium_table,
-    handling_table,
-    hunt_table,
-    identification_table,
-    manoeuvre_table,
-    mode_table,
-    optimum_table,
-    response_table,
-    sensitivity_table,
-    track_table,
-    tyre_table,
-    uncertainty_table,
-)
-
-KINDS = {
-    mode_table.FORMAT: "eigenmodes",
-    response_table.FORMAT: "frequency responses",
-    contact_table.FORMAT: "contact geometry",
-    hunt_table.FORMAT: "a hunting study",
-    equilibrium_table.FORMAT: "an equilibrium",
-    sensitivity_table.FORMAT: "sensitivities",
-    optimum_table.FORMAT: "an optimum",
-    manoeuvre_table.FORMAT: "an optimal manoeuvre",
-    identification_table.FORMAT: "identified parameters",
-    uncertainty_table.FORMAT: "an uncertainty study",
-    handling_table.FORMAT: "handling of a road vehicle",
-    cam_table.FORMAT: "a cam",
-    tyre_table.FORMAT: "forces of tyres",
-    track_table.FORMAT: "a railway track",
-    "vehicledyn-result": "a run",
-    "vehicledyn-study": "a sweep",
-}
+from vehicledyn.results.tables import hunt_table
+from vehicledyn.results.tables.kinds import held
 
 _FIGURE = "figure_"
 _ENDS = "_real", "_imag"
@@ -70,10 +37,7 @@ def other_kinds(result: Path, reference: Path) -> str:
     ours, theirs = (format_of(path) for path in (result, reference))
     if ours == theirs or not (ours and theirs):
         return ""
-    return (
-        f"{result}: holds {KINDS.get(ours, ours)}, the reference {KINDS.get(theirs, theirs)}: "
-        "compare files of one kind"
-    )
+    return f"{result}: holds {held(ours)}, the reference {held(theirs)}: compare files of one kind"
 
 
 def compare_tables(

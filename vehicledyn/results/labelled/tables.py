@@ -18,40 +18,8 @@ from vehicledyn.results.labelled.source import Head, Source
 from vehicledyn.results.store.dimensions import is_bare
 from vehicledyn.results.store.layout import EventRecord, SummaryEntry
 from vehicledyn.results.store.linear_file import old_file, read_texts
-from vehicledyn.results.tables import (
-    cam_table,
-    contact_table,
-    equilibrium_table,
-    handling_table,
-    hunt_table,
-    identification_table,
-    manoeuvre_table,
-    mode_table,
-    optimum_table,
-    response_table,
-    sensitivity_table,
-    track_table,
-    tyre_table,
-    uncertainty_table,
-)
-
-KINDS = {
-    mode_table.FORMAT: "modes",
-    response_table.FORMAT: "response",
-    hunt_table.FORMAT: "hunt",
-    contact_table.FORMAT: "contacts",
-    equilibrium_table.FORMAT: "equilibrium",
-    cam_table.FORMAT: "cam",
-    sensitivity_table.FORMAT: "sensitivity",
-    handling_table.FORMAT: "handling",
-    optimum_table.FORMAT: "optimum",
-    manoeuvre_table.FORMAT: "manoeuvre",
-    identification_table.FORMAT: "identification",
-    uncertainty_table.FORMAT: "uncertainty",
-    tyre_table.FORMAT: "tyre",
-    track_table.FORMAT: "track",
-}
-"""What the formats of these files are called."""
+from vehicledyn.results.tables import equilibrium_table, hunt_table, mode_table
+from vehicledyn.results.tables.kinds import TABLES
 
 _HEAD = ("title", "model", "status", "message", "format", "format_version")
 _CASE = re.compile(r"case_(\d+)\.")
@@ -99,14 +67,14 @@ def table_source(path: Path, kind: str) -> Source:
     InputError
         If the file is damaged or of no known format.
     """
-    if kind not in KINDS:
+    if kind not in TABLES:
         raise InputError(f"{path}: its format '{kind}' is no result of this program")
     with old_file(path, kind) as file:
         found = dict(_arrays(file))
         plain = {key: _plain(value) for key, value in file.attrs.items()}
         notes = tuple(read_texts(file, "notes")) if "notes" in file else ()
     head = Head(
-        KINDS[kind],
+        TABLES[kind].name,
         str(plain.get("title", "")),
         str(plain.get("model", "")),
         str(plain.get("status", "ok")),
