@@ -113,6 +113,16 @@ def test_the_lock_is_lent_to_one_writer_at_a_time(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
+def test_disks_without_locks_can_be_written(tmp_path, monkeypatch):
+    def flock(*_):
+        raise OSError(37, "No locks available")
+
+    monkeypatch.setattr("vehicledyn.results.hdf5.output.fcntl.flock", flock)
+    with KeptWork(tmp_path / "y.h5"):
+        assert not is_being_written(tmp_path / "y.h5")
+    assert not list(tmp_path.iterdir())
+
+
 def test_what_fails_for_good_leaves_nothing_to_go_on_with(tmp_path):
     for error, left in ((NumericalError("no"), 0), (KeyboardInterrupt(), 1)):
         with pytest.raises(type(error)), result_place(tmp_path / "y.h5") as place:

@@ -139,6 +139,8 @@ class OutputLock:
         except BlockingIOError:
             file.close()
             raise _busy(target) from None
+        except OSError:  # a disk without locks: two runs on one output are not noticed
+            return file
         # The holder before us may have removed the file between our opening and locking it.
         if os.fstat(file.fileno()).st_nlink == 0:
             file.close()
