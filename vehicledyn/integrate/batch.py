@@ -66,6 +66,10 @@ Finished: TypeAlias = Callable[[range, Samples, tuple[CaseEnd, ...]], None]
 """Called with the numbers of cases that are done, their samples and how they ended."""
 
 
+Room: TypeAlias = Callable[[tuple[int, ...]], Samples]
+"""Gives an array of a shape."""
+
+
 @dataclass(frozen=True)
 class Batch:
     """A kernel made ready for many cases; ``remark`` is one line for the user, or empty."""
@@ -146,6 +150,7 @@ def run_batch(
     judged: Judging | None = None,
     finished: Finished | None = None,
     progress: Progress | None = None,
+    room: Room = np.empty,
 ) -> BatchResult:
     """Integrate all cases from ``start`` to ``stop``.
 
@@ -179,6 +184,8 @@ def run_batch(
         (Ctrl-C, heeded within a fifth of a second) loses only those that are under way.
     progress
         Called with the part done.
+    room
+        Makes the samples, those of float64.
 
     Returns
     -------
@@ -194,8 +201,9 @@ def run_batch(
     if getattr(solver, "step", 0.0) is None:
         raise InputError("a batch needs solver.step: its cases take their steps together")
     plan = Plan(start, interval, _count_samples(start, stop, interval), list(channels))
-    kind = np.float32 if single else np.float64
-    samples = np.full((len(cases), plan.n_samples, len(channels)), np.nan, dtype=kind)
+    shape = len(cases), plan.n_samples, len(channels)
+    samples = np.empty(shape, np.float32) if single else room(shape)
+    samples[:] = np.nan
     parts = _in_turn if batch.engine is None or not hasattr(solver, "fixed_method") else _abreast
     alone = SingleCase(
         batch.kernel, solver, plan, runner, rates, judged or _by_channels(batch, plan)

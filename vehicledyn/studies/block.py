@@ -7,12 +7,15 @@ import functools
 import hashlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError, VehicledynError
+from vehicledyn.base.numbers.disk_array import disk_array
 from vehicledyn.base.plugins import load_plugin, loaded_plugins, plugin_digest
 from vehicledyn.base.version import FOLDER, VERSION
 from vehicledyn.integrate.batch import Cases, Samples, run_batch
@@ -102,6 +105,8 @@ class Worker:
 
     work: Work
     tell: Tell
+    folder: Path | None = None
+    """Where samples are kept on the disk, None for in the memory."""
     models: dict[tuple[float, ...], Model | VehicledynError] = field(default_factory=dict)
 
     def model(self, values: Sequence[float]) -> Model:
@@ -175,15 +180,20 @@ class Worker:
                 runner=model.run_watched,
                 rates=model.rates,
                 judged=lambda number: model.judged(cases[number]),
+                room=np.empty if self.folder is None else partial(disk_array, self.folder),
             )
         except VehicledynError as error:
             for number in numbers:
                 block.fail(number, 0.0, str(error))
             return
         n_kept = len(model.kept)
-        samples = block.room(len(result.times), n_kept, single=work.single)
+        if self.folder is None:
+            samples = block.room(len(result.times), n_kept, single=work.single)
+        else:  # a single case, of which the file takes what it keeps
+            block.samples = samples = result.samples[:, :, :n_kept]
         for row, (number, case, end) in enumerate(zip(numbers, cases, result.ends, strict=True)):
-            samples[number] = _kept(result.samples[row], n_kept, work.single)
+            if self.folder is None:
+                samples[number] = _kept(result.samples[row], n_kept, work.single)
             if end.failed:
                 block.fail(number, end.time, end.message)
                 continue

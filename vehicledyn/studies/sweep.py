@@ -17,7 +17,7 @@ from vehicledyn.base.argument_names import argument, given
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.base.processors import cores
 from vehicledyn.kernel.make_kernel import Backend
-from vehicledyn.results.hdf5.output import check_output
+from vehicledyn.results.hdf5.output import check_output, write_failed
 from vehicledyn.results.store.study_layout import (
     ACCURACY,
     FAILED,
@@ -53,6 +53,9 @@ _MOST_BYTES = 256_000_000
 
 LARGEST_CASE = 1_000_000_000
 """Samples of a case in memory at most: a worker holds them until its figures are found [B]."""
+
+_MOST_SAMPLES = 20_000_000
+"""Samples of a case at most: some channels of them are held in memory at once, below 1 GB."""
 
 MOST_A_CORE = 8
 """Processes a core at most: thousands of them, asked for in a file, would fill the memory."""
@@ -151,10 +154,13 @@ def run_study(
     with contextlib.ExitStack() as stack:
         helpers = _helpers(stack, work, workers or study.study.workers, cluster, progress)
         worker, model = facts_of(work, progress)
+        if _is_on_disk(output, work, len(model.columns), on_cluster=cluster is not None):
+            worker.folder, helpers = output.resolve().parent, None
+            progress("computing one case at a time, on the disk", None)
         computing = helpers or pool.SingleProcess(worker)
-        _refuse_long_cases(output, work, len(model.columns))
         header = _header(study, work, model)
-        _refuse_size(output, header)
+        spool = 0 if worker.folder is None else _case_bytes(work, len(model.columns))
+        _refuse_size(output, header, spool)
         writer = stack.enter_context(
             StudyWriter(output, header, resume=resume, overwrite=overwrite)
         )
@@ -203,6 +209,10 @@ class _Run:
         except InputError as error:
             self.writer.close(STOPPED, str(error))
             raise
+        except OSError as error:
+            failed = write_failed(self.writer.path, error)
+            self.writer.close(STOPPED, str(failed))
+            raise failed from error
         if message:
             done = total - int((self.writer.status == PENDING).sum())
             self.messages.append(
@@ -324,25 +334,36 @@ def _case_bytes(work: Work, columns: int) -> int:
     return 8 * work.n_samples * max(1, columns)
 
 
-def _refuse_long_cases(output: Path, work: Work, columns: int) -> None:
-    """Raise InputError if a case is too long to be held in the memory of a worker."""
+def _is_on_disk(output: Path, work: Work, columns: int, *, on_cluster: bool) -> bool:
+    """Return whether a case is too long for the memory, so that it is kept on the disk.
+
+    Raises
+    ------
+    InputError
+        If other machines were to compute it, or it has too many samples.
+    """
     needed = _case_bytes(work, columns)
-    if needed > LARGEST_CASE:
+    if needed <= LARGEST_CASE:
+        return False
+    if on_cluster or work.n_samples > _MOST_SAMPLES:
         raise InputError(
             f"{output}: {work.n_samples} samples of {columns} channels need {_size(needed)} of "
-            f"memory a case, {_size(LARGEST_CASE)} at most; give a longer 'output.interval', keep "
-            "fewer channels and no figures, or run the cases by themselves"
+            f"memory a case; at most {_size(LARGEST_CASE)} on a cluster and {_MOST_SAMPLES} "
+            "samples here: give a longer 'output.interval', keep fewer channels and no figures, or "
+            "run the cases by themselves"
         )
+    return True
 
 
-def _refuse_size(output: Path, header: StudyHeader) -> None:
-    """Raise InputError if the disk cannot hold the whole file."""
+def _refuse_size(output: Path, header: StudyHeader, spool: int) -> None:
+    """Raise InputError if the disk cannot hold the whole file, and so many bytes beside it."""
     folder = output.resolve().parent
     free = shutil.disk_usage(folder).free
     held = output.stat().st_size if output.exists() else 0
-    if header.total_bytes > free + held:
+    needed = header.total_bytes + spool
+    if needed > free + held:
         raise InputError(
-            f"{output}: {header.n_cases} cases need about {_size(header.total_bytes)}, {folder} "
+            f"{output}: {header.n_cases} cases need about {_size(needed)}, {folder} "
             f"has {_size(free)} free; keep fewer channels, a longer interval or 'precision: single'"
         )
 

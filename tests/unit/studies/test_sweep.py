@@ -13,6 +13,7 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.files.scenario import load_scenario
 from vehicledyn.results.compare.study_compare import compare_studies
 from vehicledyn.results.compare.tolerances import Tolerances
+from vehicledyn.results.store import case_checksums
 from vehicledyn.results.store.reader import open_result
 from vehicledyn.results.store.study_reader import open_study
 from vehicledyn.results.store.study_writer import StudyWriter, pending
@@ -288,12 +289,30 @@ def test_more_than_the_disk_holds_is_refused_at_once(tmp_path, study):
     assert not (tmp_path / "out.h5").exists()
 
 
-def test_cases_too_long_for_the_memory_of_a_worker_are_refused(tmp_path, study, monkeypatch):
+@pytest.mark.parametrize("change", ["output.precision=double", "output.precision=single"])
+def test_cases_too_long_for_the_memory_are_kept_on_the_disk(tmp_path, study, monkeypatch, change):
     """A worker holds a case until its figures are found: 5 million samples took gigabytes."""
+    whole = swept(study, tmp_path / "whole.h5", change).path
     monkeypatch.setattr(sweep, "LARGEST_CASE", 1000)
+    monkeypatch.setattr(sweep, "_MOST_BYTES", 1)
+    monkeypatch.setattr(case_checksums, "AT_ONCE", 200)
+    same(whole, swept(study, tmp_path / "out.h5", change).path)
+    assert {path.name for path in tmp_path.iterdir()} >= {"whole.h5", "out.h5"}
+    assert not [path for path in tmp_path.iterdir() if path.name.startswith((".", "tmp"))]
+    monkeypatch.setattr(sweep, "_MOST_SAMPLES", 3)
     with pytest.raises(InputError, match=r"\d+ samples of \d+ channels need .*B of memory a case"):
+        swept(study, tmp_path / "none.h5")
+    assert not (tmp_path / "none.h5").exists()
+
+
+def test_a_full_disk_has_no_room_for_a_case(tmp_path, study, monkeypatch):
+    def fallocate(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(sweep, "LARGEST_CASE", 1000)
+    monkeypatch.setattr("vehicledyn.base.numbers.disk_array.os.posix_fallocate", fallocate)
+    with pytest.raises(InputError, match="No space left on device"):
         swept(study, tmp_path / "out.h5")
-    assert not (tmp_path / "out.h5").exists()
 
 
 def test_long_cases_are_computed_one_at_a_time(tmp_path, study, monkeypatch):

@@ -7,7 +7,7 @@ figures with their names, and its samples.
 from __future__ import annotations
 
 import zlib
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 import h5py
@@ -20,7 +20,9 @@ from vehicledyn.results.store.study_layout import PENDING
 
 DATASET = "cases/crc"
 
-_AT_ONCE = 1 << 22  # bytes of samples
+_CASES = 512
+AT_ONCE = 1 << 22
+"""Samples that are read or written at once [bytes]."""
 
 
 def sums_in(file: h5py.File, first: int, stop: int) -> NDArray[np.uint32]:
@@ -29,8 +31,19 @@ def sums_in(file: h5py.File, first: int, stop: int) -> NDArray[np.uint32]:
     parts: dict[str, Any] = {"names": file["figures/name"][()]}
     names = ("cases/values", "cases/end_time", "cases/reason", "figures/value", "figures/text")
     parts |= {name: file[name][rows] for name in names}
-    parts["samples"] = file["samples"][rows] if "samples" in file else np.empty((stop - first, 0))
-    return np.array([_sum(parts, row) for row in range(stop - first)], dtype=np.uint32)
+    sums = [_sum(parts, row, _samples(file, first + row)) for row in range(stop - first)]
+    return np.array(sums, dtype=np.uint32)
+
+
+def _samples(file: h5py.File, case: int) -> Iterator[Any]:
+    """Yield the samples of a case in parts."""
+    if "samples" not in file:
+        return
+    dataset = file["samples"]
+    count, width = dataset.shape[1:]
+    step = max(1, AT_ONCE // max(1, width * dataset.dtype.itemsize))
+    for first in range(0, count, step):
+        yield dataset[case, first : first + step]
 
 
 def check_cases(file: h5py.File) -> None:
@@ -47,12 +60,8 @@ def check_cases(file: h5py.File) -> None:
         if promises_too_much(file[name]):
             raise DamagedError(f"{name} is not in the file")
     status, known = file["cases/status"][()], file[DATASET][()]
-    step = 512
-    if "samples" in file:
-        shape = file["samples"].shape[1:]
-        step = int(np.clip(_AT_ONCE // max(1, 8 * int(np.prod(shape, dtype=int))), 1, 512))
-    for first in range(0, len(status), step):
-        stop = min(first + step, len(status))
+    for first in range(0, len(status), _CASES):
+        stop = min(first + _CASES, len(status))
         if (status[first:stop] == PENDING).all():
             continue
         wrong = sums_in(file, first, stop) != known[first:stop]
@@ -61,10 +70,12 @@ def check_cases(file: h5py.File) -> None:
             raise DamagedError(f"wrong checksum of case {first + int(np.argmax(wrong)) + 1}")
 
 
-def _sum(parts: Mapping[str, Any], row: int) -> int:
+def _sum(parts: Mapping[str, Any], row: int, samples: Iterable[Any]) -> int:
     found = 0
-    for name in ("cases/values", "cases/end_time", "cases/reason", "samples"):
+    for name in ("cases/values", "cases/end_time", "cases/reason"):
         found = zlib.crc32(np.ascontiguousarray(parts[name][row]).tobytes(), found)
+    for part in samples:
+        found = zlib.crc32(np.ascontiguousarray(part).tobytes(), found)
     numbers, texts = parts["figures/value"][row], parts["figures/text"][row]
     for values, known in ((numbers, ~np.isnan(numbers)), (texts, texts != b"")):
         columns = np.flatnonzero(known)

@@ -122,7 +122,7 @@ class StudyWriter:
             cases["values"][rows] = block.values
             cases["end_time"][rows] = block.end_time
             if block.samples is not None and block.samples.size:
-                file["samples"][rows] = block.samples
+                _write_samples(file["samples"], rows, block.samples)
             for number, reason in block.reasons.items():
                 cases["reason"][block.first + number] = fitted(reason, REASON_BYTES)
             self._write_figures(block)
@@ -341,6 +341,15 @@ def _label(file: h5py.File) -> None:
         attach(column, [file["case"], *([file["axis"]] if name == "values" else [])])
     for name, column in file["figures"].items():
         attach(column, [*([file["case"]] if name in ("value", "text") else []), file[FIGURE]])
+
+
+def _write_samples(dataset: h5py.Dataset, rows: slice, samples: NDArray[Any]) -> None:
+    """Write samples in parts of some megabytes; what is too large for 32 bits becomes infinite."""
+    step = max(1, case_sums.AT_ONCE // max(1, samples[:, 0].nbytes))
+    for first in range(0, samples.shape[1], step):
+        part = slice(first, first + step)
+        with np.errstate(over="ignore"):
+            dataset[rows, part] = samples[:, part].astype(dataset.dtype)
 
 
 def _most_rows(header: StudyHeader) -> int:
