@@ -15,7 +15,7 @@ from vehicledyn.cli.unforeseen import told
 
 __all__ = ["main"]
 
-_COLLECTED_AFTER = 100_000, 20, 20
+_COLLECTED_AFTER = 500_000, 20, 20
 """Thresholds of the garbage collector, reached less often than usual: reading and generating code
 make many objects and hardly any garbage, and searching them for it took a tenth of the time."""
 

@@ -143,7 +143,7 @@ def test_a_foot_reaches_what_is_wanted_with_its_lag():
 
 def test_a_pedal_names_a_switch(tmp_path):
     from vehicledyn.files.building.construct import build_vehicle
-    from vehicledyn.files.building.values import RoadChoice
+    from vehicledyn.files.building.road_choice import RoadChoice
 
     text = (SYSTEMS / "controlled_sedan.yaml").read_text().replace("brakes.pedal", "brakes.pdal")
     text = text.replace("file: ", f"file: {SYSTEMS}/")

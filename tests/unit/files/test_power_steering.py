@@ -9,7 +9,7 @@ from system_texts import Motion, equations
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.files.building.construct import build_system, build_vehicle
-from vehicledyn.files.building.values import RoadChoice
+from vehicledyn.files.building.road_choice import RoadChoice
 from vehicledyn.files.system.read import read_system
 from vehicledyn.multibody import derive
 from vehicledyn.road.manoeuvres.kinds.recorded.open_loop import OpenLoop

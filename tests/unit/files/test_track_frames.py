@@ -12,7 +12,8 @@ from vehicledyn.analyses.simulation.simulation import run_scenario
 from vehicledyn.base.errors import InputError
 from vehicledyn.files.building.construct import build_system
 from vehicledyn.files.building.rail_places import nominal_lateral
-from vehicledyn.files.building.values import RoadChoice, Values
+from vehicledyn.files.building.road_choice import RoadChoice
+from vehicledyn.files.building.values import Values
 from vehicledyn.files.scenario import load_scenario
 from vehicledyn.files.system.read import read_system
 from vehicledyn.multibody import derive

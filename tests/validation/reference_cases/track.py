@@ -13,7 +13,7 @@ from scipy.special import fresnel
 
 from reference_cases.comparison import Group, deviation, figure
 from vehicledyn.files.building.construct import build_system
-from vehicledyn.files.building.values import RoadChoice
+from vehicledyn.files.building.road_choice import RoadChoice
 from vehicledyn.files.system.read import read_system
 from vehicledyn.multibody import derive
 from vehicledyn.rail.irregularities.erri_b176 import ErriB176, spectra

@@ -22,7 +22,7 @@ from vehicledyn.road.tyres.tyre import Tyre
 from vehicledyn.road.vehicle import RoadVehicle
 
 if TYPE_CHECKING:
-    from vehicledyn.files.building.values import RoadChoice
+    from vehicledyn.files.building.road_choice import RoadChoice
     from vehicledyn.files.scenario.system_models import WrittenModel
 
 
@@ -81,7 +81,7 @@ def build_tested(
         If the scenario lacks a part that the vehicle needs.
     """
     from vehicledyn.files.building.builders import BUILDERS
-    from vehicledyn.files.building.values import RoadChoice
+    from vehicledyn.files.building.road_choice import RoadChoice
 
     written, choice = _asked(target)
     if choice is None and patches and written.kind == "system":
@@ -104,7 +104,7 @@ def _asked(target: Target) -> tuple[WrittenModel, RoadChoice | None]:
 
 def _choice(target: Target, s: Scenario) -> RoadChoice:
     """Return what a scenario chooses for the wheels of a system file."""
-    from vehicledyn.files.building.values import RoadChoice
+    from vehicledyn.files.building.road_choice import RoadChoice
 
     problems = manoeuvre_of(target).problems(free_wheels=s.wheel_spin != "prescribed")
     if problems:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.files.system.checks.references import COARSEST_START, LARGEST_START
+from vehicledyn.base.numbers.start_sizes import COARSEST_START, LARGEST_START
 from vehicledyn.kernel.engine import Vector
 from vehicledyn.symbolic.equations import Equations
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.files.building.construct import build_system, build_vehicle
-from vehicledyn.files.building.values import RoadChoice
+from vehicledyn.files.building.road_choice import RoadChoice
 from vehicledyn.road.vehicle import RoadOptions, RoadVehicle
 
 if TYPE_CHECKING:
@@ -22,11 +21,15 @@ class SystemBuilder:
     @staticmethod
     def system(model: SystemModel, choice: RoadChoice | None) -> System:
         """Return the system."""
+        from vehicledyn.files.building.construct import build_system
+
         return build_system(model, choice)
 
     @staticmethod
     def vehicle(model: SystemModel, choice: RoadChoice | None) -> RoadVehicle:
         """Return the road vehicle, not yet steered."""
+        from vehicledyn.files.building.construct import build_vehicle
+
         return build_vehicle(model, choice or RoadChoice())
 
 

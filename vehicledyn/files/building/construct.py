@@ -8,7 +8,8 @@ from vehicledyn.base.errors import InputError, unknown_name
 from vehicledyn.base.parameters import ParameterSet
 from vehicledyn.files.building.force_parts import built, force_parts
 from vehicledyn.files.building.rail_parts import rail_wheel_parts, track_frames
-from vehicledyn.files.building.values import RoadChoice, Values
+from vehicledyn.files.building.road_choice import RoadChoice
+from vehicledyn.files.building.values import Values
 from vehicledyn.files.building.wheel_parts import spin_of, surface_numbers, wheel_parts
 from vehicledyn.files.expressions.dimensions import MEASURES, multiplier_unit
 from vehicledyn.files.system.checks.references import variables

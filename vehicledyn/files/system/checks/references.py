@@ -8,6 +8,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import Any
 
 from vehicledyn.base.errors import unknown_name
+from vehicledyn.base.numbers.start_sizes import COARSEST_START, LARGEST_START
 from vehicledyn.base.parameters import ParameterSet
 from vehicledyn.base.problems import Place
 from vehicledyn.files.expressions.algebra import NUMBERS, ExpressionError
@@ -25,11 +26,6 @@ from vehicledyn.files.system.walk import Found, Reference, walk
 from vehicledyn.multibody.model.ground import GROUND
 
 Problems = Iterator[tuple[Place, str]]
-COARSEST_START = 2.0**-27
-"""Largest distance between neighbouring numbers at a start, in SI units: about a hundredth of a
-micrometre, and a hundred times the finest tolerance that makes sense."""
-LARGEST_START = 2.0**26
-"""Largest number whose neighbours are that close [SI]."""
 _PARTS = tuple(name for name in Sections.model_fields if name not in ("bodies", "initial"))
 
 
