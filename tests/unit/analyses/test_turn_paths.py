@@ -39,7 +39,7 @@ class Curve:
 
     def beyond(self, turn, before, last, most):
         angle = last[1] + 2.0 * (last[1] - before[1])
-        is_lost = not self.comes_back and np.sin(angle) > 1.0 - 1e-3
+        is_lost = not self.comes_back and abs(angle - 0.5 * np.pi) < 0.5
         return None if is_lost else (LIMIT * np.sin(angle), angle)
 
 
@@ -56,6 +56,34 @@ def test_a_search_that_fails_is_no_limit():
     assert max(path.values) > LIMIT - 0.01
     lost = followed(Curve(comes_back=False), lateral, (0.0, 0.0), np.inf, step=0.3, smallest=0.01)
     assert lost.is_lost and not lost.is_limit
+
+
+def test_a_kink_is_passed_where_the_unknowns_begin_to_move():
+    """As the steering angle does where a differential begins to slip."""
+
+    class Kinked(Curve):
+        def find(self, turn, near):
+            return 1e-6 * turn.value + max(turn.value - 3.0, 0.0)
+
+        def orientation(self, turn, point):
+            return 1
+
+        def beyond(self, turn, before, last, most):
+            return None
+
+    path = followed(Kinked(), lateral, (0.0, 0.0), 6.0, step=0.3, smallest=0.03)
+    assert path.end == "found"
+    assert path.values[-1] == 6.0
+
+
+def test_a_path_ends_before_turns_that_are_not_wanted():
+    def far(angle):
+        return "far" if angle > 0.5 else ""
+
+    steps = {"step": 0.3, "smallest": 0.01}
+    path = followed(Curve(), lateral, (0.0, 0.0), np.inf, **steps, unwanted=far)
+    assert (path.end, path.reason) == ("unwanted", "far")
+    assert LIMIT * np.sin(0.5) - 0.01 < path.values[-1] <= LIMIT * np.sin(0.5)
 
 
 def test_a_turn_behind_the_limit_is_none_before_it():

@@ -1,7 +1,9 @@
 """g-g diagram: the largest lateral acceleration of steady turns at longitudinal accelerations.
 
 For each longitudinal acceleration lateral acceleration grows to its limit; drive and brake torques
-are those of the car's drive and of brakes with its distribution.
+are those of the car's drive and of brakes with its distribution. With much drive the turns of a car
+may go over to power slides without a limit: a driven wheel spins, and the driver steers against the
+turn at side-slip angles that grow. There the diagram ends.
 """
 
 from __future__ import annotations
@@ -19,19 +21,26 @@ from vehicledyn.analyses.handling.turn_paths import TurnPath, followed
 Vector = NDArray[np.float64]
 
 _FIRST_STEP, _SMALLEST_STEP = 0.5, 0.03
-_SMALLEST_ALONG = 0.1
+_SMALLEST_ALONG = 0.05
+
+POWER_SLIDE = "power slide"
+
+_SPINNING = 0.2
+"""Longitudinal slip of a driven wheel beyond that of its largest force, in any tyre [1]."""
 
 
 @dataclass(frozen=True)
 class AccelerationLimits:
     """Limits at a speed [m/s]: accelerations along and across the path, shape (n,) [m/s²].
 
-    ``lost`` names what was left off before a limit showed.
+    ``ends`` (n,) says what the lateral ones are: limits (""), or where a power slide or full
+    throttle ends the diagram. ``lost`` names what was left off before a limit showed.
     """
 
     speed: float
     longitudinal: Vector
     lateral: Vector
+    ends: tuple[str, ...]
     lost: tuple[str, ...] = ()
 
 
@@ -40,35 +49,33 @@ def acceleration_limits(
 ) -> AccelerationLimits:
     """Return the limits for braking and driving in steps of longitudinal acceleration [m/s²].
 
+    The first and the last one are those of straight running.
+
     Raises
     ------
     NumericalError
         If the car does not run straight.
     """
-    pairs, lost = [], []
+    found, lost = [], []
     for direction, words in ((-1.0, "braking"), (1.0, "driving")):
         size, point = 0.0, solver.straight(speed)
         while True:
             along = direction * size
             if along or direction > 0.0:
                 across = _across(solver, speed, along, (0.0, point))
-                pairs.append((along, max(across.values)))
+                found.append((along, max(across.values), across.reason))
                 if across.is_lost:
-                    found = _FURTHER % across.values[-1]
-                    lost.append(f"{words} at {size:g} m/s^2: {found} across the path")
+                    further = _FURTHER % across.values[-1]
+                    lost.append(f"{words} at {size:g} m/s^2: {further} across the path")
             path = _straight(solver, speed, direction, (size, point), step)
-            if path.is_limit or path.is_lost:
-                break
             size, point = path.values[-1], path.points[-1]
+            if path.end != "found":
+                break
+        found.append((direction * size, 0.0, path.reason))
         if path.is_lost:
-            lost.append(f"{words}: {_FURTHER % path.values[-1]} along the path")
-    pairs.sort()
-    return AccelerationLimits(
-        speed,
-        np.array([along for along, _ in pairs]),
-        np.array([lateral for _, lateral in pairs]),
-        tuple(lost),
-    )
+            lost.append(f"{words}: {_FURTHER % size} along the path")
+    longitudinal, lateral, ends = zip(*sorted(found), strict=True)
+    return AccelerationLimits(speed, np.array(longitudinal), np.array(lateral), ends, tuple(lost))
 
 
 _FURTHER = "no balance was found beyond %.3g m/s^2"
@@ -80,8 +87,15 @@ def _straight(
     def turn(size: float) -> Turn:
         return Turn(speed, "lateral_acceleration", 0.0, direction * size)
 
-    last = start[0] + step
-    return followed(solver, turn, start, last, step=step, smallest=_SMALLEST_ALONG)
+    return followed(
+        solver,
+        turn,
+        start,
+        start[0] + step,
+        step=step,
+        smallest=_SMALLEST_ALONG,
+        unwanted=solver.overdriven,
+    )
 
 
 def _across(
@@ -90,4 +104,22 @@ def _across(
     def turn(lateral: float) -> Turn:
         return Turn(speed, "lateral_acceleration", lateral, along)
 
-    return followed(solver, turn, start, np.inf, step=_FIRST_STEP, smallest=_SMALLEST_STEP)
+    return followed(
+        solver,
+        turn,
+        start,
+        np.inf,
+        step=_FIRST_STEP,
+        smallest=_SMALLEST_STEP,
+        unwanted=lambda point: (
+            solver.overdriven(point) or (_slide(solver, point) if along > 0.0 else "")
+        ),
+    )
+
+
+def _slide(solver: SteadyTurn, point: CarPoint) -> str:
+    """Return that a wheel spins and the driver steers against the turn, which is to the left."""
+    car = solver.car
+    outputs = car.outputs(point)
+    slips = [outputs[f"{corner.name}.tyre.longitudinal_slip"] for corner in car.vehicle.corners]
+    return POWER_SLIDE if outputs["steering_angle.angle"] < 0.0 and max(slips) > _SPINNING else ""

@@ -52,7 +52,7 @@ class SteadyCurve:
     ``values`` holds the quantities of :data:`QUANTITIES`, each of shape (n_points,); ``points`` the
     states. ``limit`` is the largest lateral acceleration [m/s²], behind which the curve comes back;
     NaN where it was not followed to it. ``is_lost`` says that it was to be and that no turn was
-    found on the way.
+    found on the way, ``reason`` what else ended the curve, such as full throttle.
     """
 
     method: str
@@ -60,6 +60,7 @@ class SteadyCurve:
     points: list[CarPoint] = field(repr=False)
     limit: float = float("nan")
     is_lost: bool = False
+    reason: str = ""
 
     def gradient(self, name: str, last: float, *, first: float = 0.25) -> float:
         """Return the slope of a quantity over lateral acceleration between two of these [m/s²].
@@ -117,8 +118,9 @@ def constant_steering(solver: SteadyTurn, angle: float, *, last: float = np.inf)
     found = [solver.find(turn(squares[0]), solver.straight(_SLOWEST))]
     for before, after in pairwise(squares):
         start = float(before), found[-1]
-        path = followed(solver, turn, start, after, step=_SQUARES, smallest=_LEAST_SQUARE)
-        if path.is_limit or path.is_lost:
+        steps = {"step": _SQUARES, "smallest": _LEAST_SQUARE}
+        path = followed(solver, turn, start, after, **steps, unwanted=solver.overdriven)
+        if path.end != "found":
             break
         found.append(path.points[-1])
         if abs(solver.car.outputs(found[-1])["accelerometer.lateral"]) > last:
@@ -136,10 +138,11 @@ def _followed(
     last: float,
 ) -> SteadyCurve:
     begin = first, solver.find(turn(first), start)
-    path = followed(solver, turn, begin, last, step=STEP, smallest=_SMALLEST_STEP)
+    steps = {"step": STEP, "smallest": _SMALLEST_STEP}
+    path = followed(solver, turn, begin, last, **steps, unwanted=solver.overdriven)
     curve = curve_of(solver, method, path.points)
     limit = float(curve.values["lateral_acceleration"].max()) if path.is_limit else float("nan")
-    return replace(curve, limit=limit, is_lost=path.is_lost)
+    return replace(curve, limit=limit, is_lost=path.is_lost, reason=path.reason)
 
 
 def curve_of(solver: SteadyTurn, method: str, points: list[CarPoint]) -> SteadyCurve:

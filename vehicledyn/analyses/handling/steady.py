@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from vehicledyn.analyses.handling.acceleration_limits import acceleration_limits
+from vehicledyn.analyses.handling.acceleration_limits import POWER_SLIDE, acceleration_limits
 from vehicledyn.analyses.handling.circle import (
     QUANTITIES,
     SteadyCurve,
@@ -18,7 +18,7 @@ from vehicledyn.analyses.handling.circle import (
 )
 from vehicledyn.analyses.handling.cornering_modes import CorneringModes
 from vehicledyn.analyses.handling.equal_curvature import equal_curvature_figures
-from vehicledyn.analyses.handling.steady_turn import SteadyTurn, solver_for
+from vehicledyn.analyses.handling.steady_turn import FULL_THROTTLE, SteadyTurn, solver_for
 from vehicledyn.analyses.handling.test_run import Drive
 from vehicledyn.analyses.handling.tested_car import CONTROL, CarPoint, TestedCar
 from vehicledyn.analyses.handling.yaw_moment import yaw_moments
@@ -109,6 +109,11 @@ def steady_sheets(solver: SteadyTurn, wish: SteadyWish, progress: Progress) -> H
         for c in curves.values()
         if c.is_lost
     ]
+    notes += [
+        f"{c.method}: ends at {c.values['lateral_acceleration'][-1]:.3g} m/s^2 at {c.reason}"
+        for c in curves.values()
+        if c.reason
+    ]
     progress("comparing the methods at one curvature", None)
     figures += equal_curvature_figures(
         solver, radius, wish.radius, first=GRADIENT_FROM, last=GRADIENT_UP_TO
@@ -126,6 +131,12 @@ def steady_sheets(solver: SteadyTurn, wish: SteadyWish, progress: Progress) -> H
         sheets["limits"] = {
             "longitudinal": Column("m/s^2", along, limits.longitudinal),
             "lateral": Column("m/s^2", across, limits.lateral),
+            **{
+                name.replace(" ", "_"): Column(
+                    "1", f"{words} there (1)", np.array([float(end == name) for end in limits.ends])
+                )
+                for name, words in _ENDS.items()
+            },
         }
         figures.append(_limit_figure("braking", -float(limits.longitudinal.min())))
         figures.append(_limit_figure("driving", float(limits.longitudinal.max())))
@@ -135,7 +146,7 @@ def steady_sheets(solver: SteadyTurn, wish: SteadyWish, progress: Progress) -> H
 
 
 def _limit_figure(name: str, value: float) -> KeyFigure:
-    words = f"Largest acceleration along the path, {name}, in steps of 1 m/s^2"
+    words = f"Largest acceleration along the path, {name}"
     return KeyFigure("limits", name, value, "m/s^2", words)
 
 
@@ -189,6 +200,11 @@ def _modes(solver: SteadyTurn, curve: SteadyCurve) -> tuple[Sheet, list[KeyFigur
     }
     return sheet, figures
 
+
+_ENDS = {
+    POWER_SLIDE: "Whether a power slide with opposite lock begins",
+    FULL_THROTTLE: "Whether the drive reaches full throttle",
+}
 
 _UNSTABLE = 1e-3
 """Growth rate that counts as unstable; slow states of the drive have smaller ones [1/s]."""

@@ -37,6 +37,8 @@ _USUAL_SPEED, _GROWTH = 20.0, 0.5
 _TOUCH = 0.01
 """Throttle that a search begins with [1]."""
 
+_PRESSED, FULL_THROTTLE = 1.0 + 1e-6, "full throttle"
+
 LEAST_SIZE = 1e-3
 """Least size that an unknown is measured by."""
 
@@ -215,6 +217,11 @@ class SteadyTurn:
             return int(np.linalg.slogdet(search.evaluate(self.unknowns(turn, point))[1])[0])
 
         return self.car.memory.recall("orientation", (turn, point), sign)
+
+    def overdriven(self, point: CarPoint) -> str:
+        """Return that a turn needs more than full throttle, empty if it does not."""
+        pedal = self.states.pedal
+        return FULL_THROTTLE if pedal is not None and point.state[pedal] > _PRESSED else ""
 
     def unknowns(self, turn: Turn, point: CarPoint) -> Vector:
         """Return the unknowns of the search for a turn at a point, shape (n_unknowns,)."""

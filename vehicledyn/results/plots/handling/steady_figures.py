@@ -134,6 +134,13 @@ def _moments(tables: Sequence[HandlingTable]) -> Figure:
     return figure
 
 
+_ENDS = {
+    "power_slide": "a power slide with opposite lock begins",
+    "full_throttle": "full throttle",
+}
+"""Columns that mark what ends the diagram, and their names."""
+
+
 def _limits(tables: Sequence[HandlingTable]) -> Figure:
     figure = new_figure(tables, "Limits of acceleration (g-g diagram)", 0.8)
     axes = figure.subplots()
@@ -144,6 +151,14 @@ def _limits(tables: Sequence[HandlingTable]) -> Figure:
             closed = np.concatenate([across, -across[::-1], across[:1]])
             axes.plot(closed, np.concatenate([along, along[::-1], along[:1]]), style, marker=".",
                       color=PALETTE[0])  # fmt: skip
+            for (name, label), marker in zip(_ENDS.items(), ("o", "s"), strict=True):
+                marks = sheet[name].values if name in sheet else np.zeros(0)
+                there = np.flatnonzero(marks)
+                places = np.concatenate([across[there], -across[there]])
+                axes.plot(places, np.tile(along[there], 2), marker, color=PALETTE[1],
+                          fillstyle="none", label=label if len(there) else None)  # fmt: skip
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(loc="lower right")
     axes.set_aspect("equal")
     axes.set_xlabel(axis_label("Lateral acceleration", "m/s^2"))
     axes.set_ylabel(axis_label("Acceleration along the path", "m/s^2"))
