@@ -118,6 +118,11 @@ class _Finder:
     ) -> None:
         self._values, self._needed, self._level = values, needed, level
         self._kinds = [_KINDS.get(item.operation, item.operation) for item in values]
+        self._may_stand = [
+            is_needed and item.operation not in _APART
+            for is_needed, item in zip(needed, values, strict=True)
+        ]
+        self._candidates = [index for index, may in enumerate(self._may_stand) if may]
         self._users: list[list[int]] = [[] for _ in values]
         for index, item in enumerate(values):
             if needed[index]:
@@ -137,7 +142,7 @@ class _Finder:
         """Return whether enough values have a neighbourhood that occurs once a place."""
         for _ in range(_FIRST_LOOK):
             self._look_further()
-        counts = Counter(self._colours[-1][k] for k in self._candidates())
+        counts = Counter(self._colours[-1][k] for k in self._candidates)
         fitting = sum(count for count in counts.values() if count == PLACES)
         return fitting > 0 and fitting >= _WORTH * sum(counts.values())
 
@@ -147,7 +152,7 @@ class _Finder:
             self._look_further()
         for colours in reversed(self._colours[2:]):
             classes: dict[int, list[int]] = defaultdict(list)
-            for index in self._candidates():
+            for index in self._candidates:
                 classes[colours[index]].append(index)
             for members in classes.values():
                 if len(members) == PLACES:
@@ -156,13 +161,6 @@ class _Finder:
     def rows(self) -> list[Row]:
         """Return the rows found, their operands in order."""
         return [self._row(members) for members in self._rows]
-
-    def _candidates(self) -> list[int]:
-        return [
-            index
-            for index, item in enumerate(self._values)
-            if self._needed[index] and item.operation not in _APART
-        ]
 
     # -- neighbourhoods ----------------------------------------------------------------------
 
@@ -206,17 +204,15 @@ class _Finder:
         return True
 
     def _may_be_row(self, members: tuple[int, ...]) -> bool:
-        first = members[0]
-        if any(operand in members for k in members for operand in self._values[k].operands):
+        if len(set(members)) != PLACES:
             return False
-        return len(set(members)) == PLACES and all(
-            self._needed[k]
-            and k not in self._place
-            and self._values[k].operation not in _APART
-            and self._kinds[k] == self._kinds[first]
-            and self._level[k] == self._level[first]
-            for k in members
-        )
+        kind, level = self._kinds[members[0]], self._level[members[0]]
+        for k in members:
+            if not self._may_stand[k] or k in self._place:
+                return False
+            if self._kinds[k] != kind or self._level[k] != level:
+                return False
+        return not any(operand in members for k in members for operand in self._values[k].operands)
 
     def _fit(self, first: int, other: int, place: int) -> int:
         """Return how well a value of another place matches one of the first place."""
@@ -261,11 +257,7 @@ class _Finder:
     def _users_alike(self, members: tuple[int, ...]) -> list[tuple[int, ...]]:
         """Begin rows of users of a row that match each other, and return them."""
         users = [
-            [
-                k
-                for k in self._users[member]
-                if k not in self._place and self._values[k].operation not in _APART
-            ]
+            [k for k in self._users[member] if k not in self._place and self._may_stand[k]]
             for member in members
         ]
         found = []
