@@ -13,7 +13,6 @@ import sys
 import threading
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from pathlib import Path
 from typing import Any, TypeVar
 
 from vehicledyn.base.errors import InputError, unknown_name
@@ -25,7 +24,7 @@ _catalogues: dict[str, dict[str, type[Any] | str | Callable[[], type[Any]]]] = {
 _publishing = threading.Lock()
 """Held while a made class is entered, never while foreign code runs, which imports and waits."""
 
-_WRITTEN = re.compile(r'^@register\("(\w+)", "(\w+)"\)', re.MULTILINE)
+_WRITTEN = re.compile(rb'^@register\("(\w+)", "(\w+)"\)', re.MULTILINE)
 
 T = TypeVar("T")
 
@@ -149,23 +148,24 @@ def discover(package: str, path: Iterable[str]) -> None:
     for module in pkgutil.iter_modules(list(path)):
         name = f"{package}.{module.name}"
         text = _text_of(module)
-        calls = None if text is None else text.count("register(")
+        calls = None if text is None else text.count(b"register(")
         entries = _WRITTEN.findall(text) if text and calls else []
         if len(entries) != calls:
             importlib.import_module(name)
             continue
-        for family, kind in entries:
+        for family, kind in ((a.decode(), b.decode()) for a, b in entries):
             known = _catalogues.setdefault(family, {}).setdefault(kind, name)
             if name not in (known, getattr(known, "__module__", None)):
                 raise ValueError(f"{family} '{kind}' is registered twice")
 
 
-def _text_of(module: pkgutil.ModuleInfo) -> str | None:
+def _text_of(module: pkgutil.ModuleInfo) -> bytes | None:
     """Return the source of a module, None where it cannot be read."""
     folder = getattr(module.module_finder, "path", None)
     if folder is None or module.ispkg:
         return None
     try:
-        return Path(folder, f"{module.name}.py").read_text(encoding="utf-8")
+        with open(f"{folder}/{module.name}.py", "rb") as file:  # noqa: PTH123
+            return file.read()
     except OSError:
         return None

@@ -8,17 +8,14 @@ correlation as measures of main effects.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from pathlib import Path
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vehicledyn.base.errors import InputError, unknown_name
 from vehicledyn.results.plots.canvas import new_canvas
-from vehicledyn.results.plots.picture_files import check_formats, save_figures
 from vehicledyn.results.plots.plot_description import unit_factor
-from vehicledyn.results.plots.plot_style import BLUE, STYLE, WIDTH, plain
+from vehicledyn.results.plots.plot_style import BLUE, WIDTH, plain
 from vehicledyn.results.plots.scales import suitable_unit
 from vehicledyn.results.plots.studies.study_curves import (
     COLUMNS,
@@ -30,7 +27,7 @@ from vehicledyn.results.plots.studies.study_curves import (
     label_of,
 )
 from vehicledyn.results.store.study_layout import DONE, ENDED
-from vehicledyn.results.store.study_reader import StudyFile, open_study
+from vehicledyn.results.store.study_reader import StudyFile
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -54,30 +51,6 @@ _FEWEST = 3
 _ROUNDING = 1e-12
 _SAME = 1e-6
 """Spread, as part of the size, up to which values count as equal."""
-
-
-def draw_study(
-    path: Path, folder: Path, names: Sequence[str] | None, formats: Sequence[str]
-) -> list[Path]:
-    """Draw the figures of a study, all or those of some names; return where they are.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, a name is unknown, there is nothing to draw or a picture
-        cannot be written.
-    """
-    import matplotlib
-
-    check_formats(formats)
-    for name in names or ():
-        if name not in NAMES:
-            raise InputError(f"{path}: {unknown_name('figure', name, NAMES)}")
-    with open_study(path) as file, matplotlib.rc_context(STYLE):
-        figures = [(n, f) for n, f in study_figures(file) if names is None or n in names]
-    if not figures:
-        raise InputError(f"{path}: holds nothing to draw yet ({file.state})")
-    return save_figures(figures, folder, formats)
 
 
 def study_figures(file: StudyFile) -> Iterator[tuple[str, Figure]]:
