@@ -1,7 +1,8 @@
 """Cost of derivatives in simulations: ``python benchmarks/tangents.py [--seconds 4] [--rounds 5]``.
 
 The slalom of the Iltis: a plain run, the same with tangents by 1, 8 and 20 parameters, and one
-figure by all parameters with adjoints of a sine steer. Candidates take turns; printed are medians
+figure by all parameters with adjoints of a sine steer, and its Hessian times a direction of these.
+Candidates take turns; printed are medians
 of processor times, with the smallest and the largest, and their ratio to a run.
 """
 
@@ -16,6 +17,7 @@ import numpy as np
 
 import vehicledyn.catalogue  # noqa: F401 - registers models, tyres, solvers
 from vehicledyn.analyse.gradients.adjoint import figure_adjoint
+from vehicledyn.analyse.gradients.curvature import CurvatureCode
 from vehicledyn.analyse.gradients.key_figures import figure_slope
 from vehicledyn.analyse.gradients.sampled_run import sampled_run
 from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
@@ -57,11 +59,26 @@ def reverse(study: MotionStudy) -> Callable[[], object]:
 
     return lambda: figure_adjoint(
         study.code,
-        study.prepared.kernel,
+        study.prepared.kernel.parameters,
         study.grid,
         n_intervals=study.n_intervals,
         start=(study.start.state, study.start.unknowns),
         figure=figure,
+    )
+
+
+def second(study: MotionStudy) -> Callable[[], object]:
+    """Return the Hessian of one figure by all parameters, times a direction."""
+    e, kernel = study.prepared.equations, study.prepared.kernel
+    code = CurvatureCode(e, study.channels)
+    direction = 0.01 * kernel.parameters
+    state = study.start.state
+    return lambda: code.along(
+        (kernel.parameters, direction),
+        study.grid,
+        n_intervals=study.n_intervals,
+        start=(state, study.start.unknowns, 0.0 * state),
+        figure=("rms", 0),
     )
 
 
@@ -76,6 +93,7 @@ def main() -> None:
     candidates = {"slalom, plain": plain(slalom)}
     candidates |= {f"slalom, {n} tangents": forward(slalom, n) for n in COUNTS}
     candidates |= {"sine steer, plain": plain(steer), "sine steer, adjoints": reverse(steer)}
+    candidates["sine steer, Hessian times a vector"] = second(steer)
     times: dict[str, list[float]] = {name: [] for name in candidates}
     for _ in range(options.rounds):
         for name, run in candidates.items():
@@ -86,7 +104,7 @@ def main() -> None:
         base = statistics.median(times[name.partition(",")[0] + ", plain"])
         middle = statistics.median(found)
         print(
-            f"{name:24} {middle:8.3f} s ({min(found):.3f} to {max(found):.3f})"
+            f"{name:36} {middle:8.3f} s ({min(found):.3f} to {max(found):.3f})"
             f"  {middle / base:6.2f} runs"
         )
 

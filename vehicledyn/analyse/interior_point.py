@@ -1,151 +1,268 @@
-"""IPOPT, which ships with CasADi, for functions that are computed outside of CasADi."""
+"""IPOPT, which ships with CasADi, for programs that are computed outside of CasADi.
+
+Source: Wächter, Biegler (2006), Mathematical Programming 106, 25-57.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+_PIVOTS = 1e-2
+"""Least pivots of the linear solver over the largest element of their column.
+
+Smaller ones, which are usual, miscount the signs of stiff models' eigenvalues: the search stops.
+"""
+
+_OPTIONS: dict[str, Any] = {
+    "ipopt.print_level": 0,
+    "print_time": False,
+    "ipopt.sb": "yes",
+    "ipopt.linear_solver": "mumps",
+    "ipopt.mumps_pivtol": _PIVOTS,
+    "error_on_fail": False,
+    "no_nlp_grad": True,
+    "iteration_callback_ignore_errors": False,
+}
 
 
-def minimise_by_ipopt(
-    evaluate: Callable[[Floats], tuple[float, Floats, Floats, Floats]],
-    start: Floats,
-    *,
-    tolerance: float,
-    most_iterations: int,
-) -> str:
-    """Search the least of a function over variables between 0 and 1, with constraints c >= 0.
+@dataclass(frozen=True)
+class Pattern:
+    """Places of the entries of a sparse matrix, by compressed columns."""
 
-    Second derivatives are limited-memory estimates. Returns why the search stopped, nothing where
-    it converged; the points are those that the function has seen.
+    rows: Indices
+    starts: Indices
+
+
+@dataclass(frozen=True)
+class NonlinearProgram:
+    """f(x) to be least where x and g(x) keep their bounds, with n variables and m constraints.
+
+    ``bounds`` and ``limits`` are pairs of lower and upper ones, (n,) and (m,). ``values`` returns f
+    and g (m,), ``slopes`` the gradient (n,) and the entries of ∂g/∂x in ``pattern``. ``hessian``
+    returns those of λ_f ∂²f/∂x² + λ_g . ∂²g/∂x² in ``bends``, an upper triangle, at x, λ_f and
+    λ_g (m,); without it second derivatives are limited-memory estimates. What they raise ends the
+    search and is raised again.
+    """
+
+    bounds: tuple[Floats, Floats]
+    limits: tuple[Floats, Floats]
+    values: Callable[[Floats], tuple[float, Floats]]
+    slopes: Callable[[Floats], tuple[Floats, Floats]]
+    pattern: Pattern
+    hessian: Callable[[Floats, float, Floats], Floats] | None = None
+    bends: Pattern | None = None
+
+    def violation(self, constraints: Floats) -> float:
+        """Return the largest violation of a constraint."""
+        low, high = self.limits
+        missed = np.maximum(low - constraints, constraints - high)
+        return float(missed.max(initial=0.0))
+
+
+@dataclass(frozen=True)
+class Found:
+    """Where a search ended: variables, objective, constraints, IPOPT's words and iterations."""
+
+    variables: Floats
+    objective: float
+    constraints: Floats
+    status: str
+    is_optimal: bool
+    iterations: int
+
+
+Seen = Callable[[int, Floats, float, Floats], object]
+"""Called after each iteration with its number, variables, objective and constraints."""
+
+
+def minimise(
+    program: NonlinearProgram, start: Floats, options: dict[str, Any], seen: Seen | None = None
+) -> Found:
+    """Search the least of a program.
 
     Parameters
     ----------
-    evaluate
-        Returns the function, its gradient (n,), constraints (m,) and theirs (m, n) at a point.
-        What it raises ends the search and is raised again.
+    program
+        What to minimise.
     start
         Where to begin, shape (n,).
-    tolerance
-        First-order optimality to reach.
-    most_iterations
-        Iterations at most.
-
-    References
-    ----------
-    Wächter, Biegler (2006), Mathematical Programming 106, 25-57.
+    options
+        Of IPOPT, without its name before them.
+    seen
+        Called after each iteration; what it raises ends the search and is raised again.
     """
     import casadi
 
-    known = [evaluate(start)]
-    n, m = len(start), len(known[0][2])
-    raised: list[BaseException] = []
-
-    def guarded(x: Any) -> tuple[float, Floats, Floats, Floats]:
-        if not raised:
-            try:
-                known[:] = [evaluate(np.array(x, dtype=float).ravel())]
-            except BaseException as error:  # crosses C++ code
-                raised.append(error)
-        return known[0]
-
-    class Stop(casadi.Callback):
-        """End the search where something was raised."""
-
-        def __init__(self) -> None:
-            casadi.Callback.__init__(self)
-            self.construct("stop", {})
-
-        def get_n_in(self) -> int:
-            return int(casadi.nlpsol_n_out())
-
-        def get_n_out(self) -> int:
-            return 1
-
-        def get_sparsity_in(self, index: int) -> Any:
-            sizes = {"f": 1, "x": n, "lam_x": n, "g": m, "lam_g": m}
-            return casadi.Sparsity.dense(sizes.get(casadi.nlpsol_out(index), 0), 1)
-
-        def eval(self, arguments: Any) -> list[Any]:
-            return [casadi.DM(float(bool(raised)))]
-
-    stop = Stop()
-
-    class Slopes(casadi.Callback):
-        """Derivatives of the values."""
-
-        def __init__(self) -> None:
-            casadi.Callback.__init__(self)
-            self.construct("slopes", {})
-
-        def get_n_in(self) -> int:
-            return 3
-
-        def get_n_out(self) -> int:
-            return 2
-
-        def get_sparsity_in(self, index: int) -> Any:
-            return casadi.Sparsity.dense((n, 1, m)[index], 1)
-
-        def get_sparsity_out(self, index: int) -> Any:
-            return casadi.Sparsity.dense((1, m)[index], n)
-
-        def eval(self, arguments: Any) -> list[Any]:
-            _, gradient, _, jacobian = guarded(arguments[0])
-            return [casadi.DM(gradient).T, casadi.DM(np.reshape(jacobian, (m, n)))]
-
-    slopes = Slopes()
-
-    class Function(casadi.Callback):
-        """Function and constraints."""
-
-        def __init__(self) -> None:
-            casadi.Callback.__init__(self)
-            self.construct("values", {})
-
-        def get_n_in(self) -> int:
-            return 1
-
-        def get_n_out(self) -> int:
-            return 2
-
-        def get_sparsity_in(self, index: int) -> Any:
-            return casadi.Sparsity.dense(n, 1)
-
-        def get_sparsity_out(self, index: int) -> Any:
-            return casadi.Sparsity.dense((1, m)[index], 1)
-
-        def eval(self, arguments: Any) -> list[Any]:
-            value, _, constraints, _ = guarded(arguments[0])
-            return [casadi.DM(value), casadi.DM(constraints)]
-
-        def has_jacobian(self) -> bool:
-            return True
-
-        def get_jacobian(self, *_: Any) -> Any:
-            return slopes
-
-    values = Function()
-    x = casadi.MX.sym("x", n)
-    objective, constraints = values(x)
-    options: dict[str, Any] = {
-        "ipopt.print_level": 0,
-        "print_time": False,
-        "ipopt.sb": "yes",
-        "ipopt.max_iter": most_iterations,
-        "ipopt.tol": tolerance,
-        "ipopt.hessian_approximation": "limited-memory",
-        "ipopt.linear_solver": "mumps",
-        "error_on_fail": False,
-        "iteration_callback": stop,
-    }
-    solver = casadi.nlpsol("search", "ipopt", {"x": x, "f": objective, "g": constraints}, options)
-    solver(x0=start, lbx=0.0, ubx=1.0, lbg=0.0, ubg=np.inf)
-    if raised:
-        raise raised[0]
+    guard = _Guard()
+    functions = _functions(program, guard)
+    own = {f"ipopt.{name}": value for name, value in options.items()}
+    if "hess_lag" not in functions:
+        own["ipopt.hessian_approximation"] = "limited-memory"
+    observer = _observer(program, guard, seen)
+    nlp = functions.pop("nlp")
+    settings = _OPTIONS | own | functions | {"iteration_callback": observer}
+    solver = casadi.nlpsol("optimum", "ipopt", nlp, settings)
+    (low, high), (least, most) = program.bounds, program.limits
+    found = solver(x0=start, lbx=low, ubx=high, lbg=least, ubg=most)
+    if guard.error is not None:
+        raise guard.error
     stats = solver.stats()
-    return "" if stats["success"] else str(stats["return_status"]).replace("_", " ").lower()
+    return Found(
+        np.array(found["x"]).ravel(),
+        float(found["f"]),
+        np.array(found["g"]).ravel(),
+        str(stats["return_status"]),
+        bool(stats["success"]),
+        int(stats["iter_count"]),
+    )
+
+
+@dataclass
+class _Guard:
+    """Keeps what an evaluation raised, which must not cross C++ code; from then on none is made.
+
+    The last evaluation of each kind is kept as well, as several functions ask for the same.
+    """
+
+    error: BaseException | None = None
+    _known: dict[int, tuple[bytes, Any]] = field(default_factory=dict)
+
+    def call(self, evaluate: Any, x: Floats, empty: Any, *more: Any) -> Any:
+        """Return an evaluation at x, ``empty`` where one has failed."""
+        key, kind = x.tobytes(), id(evaluate)
+        known = self._known.get(kind)
+        if known is not None and known[0] == key and not more:
+            return known[1]
+        if self.error is None:
+            try:
+                found = evaluate(x, *more)
+            except BaseException as error:
+                self.error = error
+            else:
+                self._known[kind] = key, found
+                return found
+        return empty
+
+
+def _functions(program: NonlinearProgram, guard: _Guard) -> dict[str, Any]:
+    """Return the functions of variables x, no parameters p, and multipliers, by their options."""
+    import casadi
+
+    p, dense = program, casadi.Sparsity.dense
+    n, m = p.bounds[0].size, p.limits[0].size
+    slopes_in = casadi.Sparsity(m, n, p.pattern.starts.tolist(), p.pattern.rows.tolist())
+    values, slopes = p.values, p.slopes
+    none = np.full(n, np.nan), np.full(p.pattern.rows.size, np.nan)
+    given = {"x": dense(n, 1), "p": dense(0, 1)}
+    f, g = {"f": dense(1, 1)}, {"g": dense(m, 1)}
+
+    def at(x: Floats) -> tuple[Floats, Floats]:
+        found, constraints = guard.call(values, x, (np.nan, np.full(m, np.nan)))
+        return np.array([found]), constraints
+
+    def slopes_at(x: Floats) -> tuple[Floats, Floats]:
+        gradient, entries = guard.call(slopes, x, none)
+        return gradient, entries
+
+    found = {
+        "nlp": _callback("nlp", given, f | g, lambda x, _: at(x)),
+        "grad_f": _callback(
+            "nlp_grad_f",
+            given,
+            f | {"grad_f_x": dense(n, 1)},
+            lambda x, _: (at(x)[0], slopes_at(x)[0]),
+        ),
+        "jac_g": _callback(
+            "nlp_jac_g", given, g | {"jac_g_x": slopes_in}, lambda x, _: (at(x)[1], slopes_at(x)[1])
+        ),
+    }
+    hessian, bends = p.hessian, p.bends
+    if hessian is not None and bends is not None:
+        pattern = casadi.Sparsity(n, n, bends.starts.tolist(), bends.rows.tolist())
+        no_bends = np.full(bends.rows.size, np.nan)
+        multipliers = {"lam_f": f["f"], "lam_g": g["g"]}
+        found["hess_lag"] = _callback(
+            "nlp_hess_l",
+            given | multipliers,
+            {"triu_hess_gamma_x_x": pattern},
+            lambda x, _, of, og: [guard.call(hessian, x, no_bends, float(of[0]), og)],
+        )
+    return found
+
+
+def _observer(program: NonlinearProgram, guard: _Guard, seen: Seen | None) -> Any:
+    """Return what IPOPT calls after each iteration."""
+    import casadi
+
+    n, m = program.bounds[0].size, program.limits[0].size
+    sizes = {"f": 1, "x": n, "lam_x": n, "g": m, "lam_g": m}
+    names = casadi.nlpsol_out()
+    count = iter(range(10**9))
+
+    def observe(*given: Floats) -> list[Floats]:
+        if guard.error is None and seen is not None:
+            at = dict(zip(names, given, strict=True))
+            try:
+                seen(next(count), at["x"], float(at["f"][0]), at["g"])
+            except (Exception, KeyboardInterrupt) as error:  # crosses C++ code
+                guard.error = error
+        return [np.array([float(guard.error is not None)])]
+
+    dense = casadi.Sparsity.dense
+    inputs = {name: dense(sizes.get(name, 0), 1) for name in names}
+    return _callback("observer", inputs, {"stops": dense(1, 1)}, observe)
+
+
+def _callback(
+    name: str,
+    inputs: dict[str, Any],
+    outputs: dict[str, Any],
+    evaluate: Callable[..., Sequence[Floats]],
+) -> Any:
+    """Return a CasADi function that calls one of Python with the numbers of its inputs.
+
+    ``inputs`` and ``outputs`` are patterns by name.
+    """
+    import casadi
+
+    names_in, names_out = list(inputs), list(outputs)
+    patterns_in, patterns_out = list(inputs.values()), list(outputs.values())
+
+    class Evaluation(casadi.Callback):
+        """Call the function."""
+
+        def __init__(self) -> None:
+            casadi.Callback.__init__(self)
+            self.construct(name, {})
+
+        def get_n_in(self) -> int:
+            return len(names_in)
+
+        def get_n_out(self) -> int:
+            return len(names_out)
+
+        def get_name_in(self, index: int) -> str:
+            return names_in[index]
+
+        def get_name_out(self, index: int) -> str:
+            return names_out[index]
+
+        def get_sparsity_in(self, index: int) -> Any:
+            return patterns_in[index]
+
+        def get_sparsity_out(self, index: int) -> Any:
+            return patterns_out[index]
+
+        def eval(self, given: Any) -> list[Any]:
+            found = evaluate(*[np.array(item.nonzeros()) for item in given])
+            return [casadi.DM(s, v) for s, v in zip(patterns_out, found, strict=True)]
+
+    return Evaluation()

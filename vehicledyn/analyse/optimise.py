@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.analyse.interior_point import minimise_by_ipopt
+from vehicledyn.analyse.interior_point import NonlinearProgram, Pattern, minimise
 from vehicledyn.base.errors import NumericalError
 
 Floats = NDArray[np.float64]
@@ -110,9 +110,7 @@ def optimise(
     first = search.at(scaled)
     try:
         if method == "ipopt":
-            message = minimise_by_ipopt(
-                search.scaled, scaled, tolerance=tolerance, most_iterations=most_runs
-            )
+            message = _by_ipopt(search, scaled, tolerance, most_runs)
         elif first.residuals is not None and not len(first.constraints):
             message = _by_least_squares(search, scaled, tolerance)
         else:
@@ -135,6 +133,24 @@ def _by_slsqp(search: _Search, start: Floats, tolerance: float, most: int) -> st
         options={"ftol": tolerance, "maxiter": most},
     )
     return "" if found.success else str(found.message)
+
+
+def _by_ipopt(search: _Search, start: Floats, tolerance: float, most: int) -> str:
+    n, m = len(start), len(search.scaled(start)[2])
+    dense = Pattern(np.tile(np.arange(m), n), np.arange(n + 1) * m)
+
+    def values(x: Floats) -> tuple[float, Floats]:
+        value, _, constraints, _ = search.scaled(x)
+        return value, constraints
+
+    def slopes(x: Floats) -> tuple[Floats, Floats]:
+        _, gradient, _, jacobian = search.scaled(x)
+        return gradient, np.reshape(jacobian, (m, n)).T.ravel()
+
+    limits = np.zeros(m), np.full(m, np.inf)
+    program = NonlinearProgram((np.zeros(n), np.ones(n)), limits, values, slopes, dense)
+    found = minimise(program, start, {"tol": tolerance, "max_iter": most})
+    return "" if found.is_optimal else found.status.replace("_", " ").lower()
 
 
 def _by_least_squares(search: _Search, start: Floats, tolerance: float) -> str:

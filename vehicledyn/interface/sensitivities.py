@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,6 +24,7 @@ def sensitivity(
     of: str | Iterable[str],
     to: str | Iterable[str] = "parameters.*",
     *,
+    along: Mapping[str, float | str] | None = None,
     speed: float | str | None = None,
     set: Settings | None = None,
     save_to: str | Path | None = None,
@@ -50,6 +51,9 @@ def sensitivity(
     to
         Parameters, by patterns such as ``parameters.front.*``, and start values of states, such
         as ``start.chassis.y``.
+    along
+        A direction, as parts by names as in ``to``, in SI or with units: figures of channels get
+        second derivatives along it, their Hessian times the direction, for some simulations more.
     speed
         For linearised models and limit cycles: speed such as "20 m/s", or a number [m/s]; the
         scenario's if None. The search for critical speeds begins there.
@@ -62,8 +66,9 @@ def sensitivity(
     -------
     LabelledData
         ``figure_value`` over figure, ``figure_slope`` over figure and parameter, not a number
-        where no derivative exists, ``figure_change_per_percent``; of channels ``channel_value``
-        over channel and time and ``channel_slope`` over channel, time and parameter.
+        where no derivative exists, ``figure_change_per_percent``; ``figure_curvature`` with
+        ``along``; of channels ``channel_value`` over channel and time and ``channel_slope`` over
+        channel, time and parameter.
 
     Raises
     ------
@@ -96,6 +101,8 @@ def sensitivity(
         raise InputError(
             "speed: is for linearised models and limit cycles; a run has the scenario's speed"
         )
+    if along is not None and (linear[0] or responses[0] or cycles[0] or kinematic[0]):
+        raise InputError("along: second derivatives are those of figures of a run's channels")
     with result_place(save_to, may_exist=overwrite, resume=resume) as place:
         told, at = reporter(progress), None if speed is None else speed_in_si(speed)
 
@@ -115,6 +122,11 @@ def sensitivity(
             table = kinematic_curves.find_kinematic_sensitivity(
                 target, names, patterns, told, memory=known
             )
+        elif along is not None:
+            from vehicledyn.analyses.sensitivity.curvature import find_curvature
+
+            loaded = read_scenario(scenario, changes)
+            table = find_curvature(loaded, names, patterns, along, told)
         else:
             from vehicledyn.analyses.sensitivity import motion, motion_study
 

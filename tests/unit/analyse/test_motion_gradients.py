@@ -144,7 +144,9 @@ def test_adjoints_agree_with_tangents(kept, monkeypatch):
         found = figure_slope("rms", times, values[:, 0], np.eye(len(times)))
         return found, found.slope[:, None]
 
-    back = figure_adjoint(code, kernel, grid, n_intervals=5, start=(start, guess), figure=figure)
+    back = figure_adjoint(
+        code, kernel.parameters, grid, n_intervals=5, start=(start, guess), figure=figure
+    )
     expected = figure_slope("rms", ahead.times, ahead.values[:, channel], ahead.slopes[:, channel])
     assert back.figure.value == pytest.approx(expected.value, rel=1e-12)
     found = [*back.by_parameter, *back.by_state]
@@ -195,7 +197,7 @@ def test_tangents_by_way_of_residuals_are_those_through_the_solution():
             seeds[-1] = 1.0
             return None, seeds
 
-        back = figure_adjoint(code, kernel, grid, figure=last, **given)
+        back = figure_adjoint(code, kernel.parameters, grid, figure=last, **given)
         assert [*back.by_parameter, *back.by_state] == pytest.approx(ahead.slopes[-1, 0], rel=1e-10)
         found.append(ahead)
     assert found[0].values == pytest.approx(found[1].values, rel=1e-13)

@@ -6,6 +6,7 @@ import pytest
 from scipy.sparse import csc_matrix
 
 import vehicledyn.analyse.optimal_control.point_derivatives as point_derivatives
+import vehicledyn.catalogue  # noqa: F401 - registers models
 from vehicledyn.analyse.optimal_control.point_function import PointFunction
 from vehicledyn.analyse.optimal_control.transcription import PointModel, Program
 from vehicledyn.studies.manoeuvre_optimisation.file import load_manoeuvre
@@ -43,7 +44,7 @@ def program(folder, text=STUDY):
     (folder / "crane.yaml").write_text(CRANE, encoding="utf-8")
     (folder / "study.yaml").write_text(text, encoding="utf-8")
     manoeuvre = prepare_manoeuvre(load_manoeuvre(folder / "study.yaml"), lambda *_: None)
-    guess = first_guess(manoeuvre)
+    guess, _ = first_guess(manoeuvre)
     made = Program(PointModel(manoeuvre.problem), guess.mesh, state_scales(guess))
     variables = made.layout.of(guess)
     return made, variables + 0.1 * np.random.default_rng(1).normal(size=variables.size)

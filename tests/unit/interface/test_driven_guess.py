@@ -48,7 +48,8 @@ def test_a_car_is_driven_round_the_middle_of_a_closed_corridor(tmp_path):
     (tmp_path / "car.yaml").write_text(CAR, encoding="utf-8")
     (tmp_path / "lap.yaml").write_text(LAP, encoding="utf-8")
     manoeuvre = prepare_manoeuvre(load_manoeuvre(tmp_path / "lap.yaml"), lambda *_: None)
-    guess = first_guess(manoeuvre)
+    guess, trouble = first_guess(manoeuvre)
+    assert not trouble
     names = [s.name for s in manoeuvre.problem.equations.states]
     at = {name: guess.all_states[:, k] for k, name in enumerate(names)}
     radius = np.hypot(at["chassis.x"], at["chassis.y"] - 15.0)
@@ -61,3 +62,17 @@ def test_a_car_is_driven_round_the_middle_of_a_closed_corridor(tmp_path):
     assert wheels == pytest.approx(wheels.mean(), rel=0.02)
     assert wheels.mean() > 0.05
     assert guess.values[:, 0].mean() > 0.0
+
+
+@pytest.mark.long
+def test_a_drive_that_fails_is_reported(tmp_path):
+    """Wheels that hardly turn do not take a car round a circle."""
+    text = LAP.replace("15 deg", "0.2 deg")
+    (tmp_path / "car.yaml").write_text(CAR, encoding="utf-8")
+    (tmp_path / "lap.yaml").write_text(text, encoding="utf-8")
+    manoeuvre = prepare_manoeuvre(load_manoeuvre(tmp_path / "lap.yaml"), lambda *_: None)
+    guess, trouble = first_guess(manoeuvre)
+    assert trouble.startswith(
+        "warning: driving along the path to begin with failed: the vehicle was"
+    )
+    assert guess.n_intervals == 20

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyse.gradients.key_figures import FigureSlope
-from vehicledyn.base.errors import InputError
+from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.kernel.back_code import BackCode
 from vehicledyn.kernel.engine import Method, Vector
-from vehicledyn.kernel.kernel import Kernel
 from vehicledyn.kernel.tangent_code import Grid, TangentCode
+from vehicledyn.symbolic.equations import Equations
 
 Floats = NDArray[np.float64]
 
@@ -34,9 +34,18 @@ class FigureAdjoint:
     n_bytes: int
 
 
+class EventPassedError(NumericalError):
+    """An event happens in a motion that adjoints are to go back over; tangents go through it."""
+
+
+def goes_back(equations: Equations) -> bool:
+    """Return whether adjoints follow a model: its events, if any, do no more than end a run."""
+    return all(event.terminal and not event.resets for event in equations.events)
+
+
 def figure_adjoint(
     code: TangentCode,
-    kernel: Kernel,
+    parameters: Vector,
     grid: Grid,
     *,
     n_intervals: int,
@@ -48,9 +57,9 @@ def figure_adjoint(
     Parameters
     ----------
     code
-        Compiled derivatives of the kernel's equations, made with ``back``.
-    kernel
-        The model with its parameters.
+        Compiled derivatives of the equations, made with ``back``.
+    parameters
+        All of them, shape (n_parameters,).
     grid, n_intervals
         The fixed steps, and how many sampling intervals.
     start
@@ -61,25 +70,44 @@ def figure_adjoint(
     Raises
     ------
     InputError
-        If the method is not rk4 or the model has events, whose motions are followed forward.
+        If the method is not rk4 or the model has events that do more than end a run.
+    EventPassedError
+        If an event happens.
     NumericalError
         If the run cannot go on.
     """
     if grid.method != Method.RK4:
         raise InputError("adjoints are those of rk4; choose solver.kind rk4")
-    constants = code.constants(kernel.parameters)
+    if not goes_back(code.equations):
+        raise InputError(f"adjoints do not follow the events of '{code.equations.name}'")
+    constants = code.constants(parameters)
     back = BackCode(code, grid, constants)
     state, guess = start
     unknowns = code.solved(grid.start, state, guess, constants)
     record = back.record(n_intervals, (state, unknowns))
     samples, times = record.samples, record.samples.times
     n_channels = len(code.channels)
-    found, seeds = figure(times, back.values(samples)[:, :n_channels])
+    values = back.values(samples)
+    _refuse_events(code.equations, times, values[:, n_channels:])
+    found, seeds = figure(times, values[:, :n_channels])
     padded = np.zeros((len(times), code.n_values))
     padded[:, :n_channels] = seeds
     by_state = back.seeded(samples, padded)
     back.adjoint += by_state[-1]
     back.back(record, by_state)
-    slopes = code.constant_slopes(kernel.parameters)
+    slopes = code.constant_slopes(parameters)
     by_parameter = np.asarray(slopes.T @ back.constants_adjoint)
     return FigureAdjoint(found, by_parameter, back.adjoint.copy(), record.n_bytes)
+
+
+def _refuse_events(equations: Equations, times: Floats, values: Floats) -> None:
+    """Raise EventPassedError if a sample lies behind an event."""
+    for event in equations.events:
+        own = values[:, event.index] * (-1.0 if event.direction == "falling" else 1.0)
+        if event.direction == "either" and own[0] > 0.0:
+            own = -own
+        behind = np.flatnonzero((own > 0.0) & (own[0] < 0.0))
+        if behind.size:
+            raise EventPassedError(
+                f"event '{event.name}' happens before t = {times[behind[0]]:.6g} s"
+            )

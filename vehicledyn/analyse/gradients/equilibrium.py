@@ -65,6 +65,47 @@ def start_slopes(
     return slopes
 
 
+@dataclass(frozen=True)
+class BalancedStart:
+    """A start in equilibrium, with ``others``, speeds that are given and stand in the balance.
+
+    ``follows`` says whether the balance is one of the given states that move.
+    """
+
+    balance: Balance
+    others: tuple[int, ...]
+    follows: bool
+
+    def slopes(self, code: TangentCode, by_parameter: Matrix, given: Matrix) -> Matrix:
+        """Return the derivatives of the start (n_states, n_directions), see start_slopes.
+
+        ``given`` are those of the states that are given.
+        """
+        moved = given if self.follows else np.zeros(given.shape)
+        found = start_slopes(code, self.balance, by_parameter, moved)
+        others = list(self.others)
+        found[others] = given[others]
+        return found
+
+    def with_tangents(self, tangents: Matrix, direction: Vector, unknowns: int) -> BalancedStart:
+        """Return the same of equations with their tangents, along a direction of the parameters.
+
+        ``tangents`` (n_states,) are those of the start, of which the given ones stand as well.
+        """
+        b, n = self.balance, len(tangents)
+        own = tangents.copy()
+        own[list(self.others)] = 0.0
+        if not self.follows:
+            held = np.setdiff1d(np.arange(n), b.pairs[0])
+            own[held] = 0.0
+        point = np.concatenate([b.point[0], own]), np.pad(b.point[1], (0, unknowns))
+        free, balanced = ([*part, *(k + n for k in part)] for part in b.pairs)
+        parameters = np.concatenate([b.parameters, direction])
+        balance = Balance(parameters, b.time, point, (free, balanced))
+        others = (*self.others, *(k + n for k in self.others))
+        return BalancedStart(balance, others, self.follows)
+
+
 def rate_slopes(code: TangentCode, balance: Balance, by_parameter: Matrix) -> tuple[Matrix, Matrix]:
     """Return dẋ/dx (n_states, n_states) and dẋ/dp (n_states, n_directions) on closed loops."""
     state, guess = (np.ascontiguousarray(item) for item in balance.point)

@@ -120,6 +120,24 @@ KINDS: dict[str, Callable[[Floats, Floats, Floats], FigureSlope]] = {
 """Figures by name; the peak is the value of largest magnitude, with its sign."""
 
 
+def moved_slope(kind: str, time: Floats, values: Floats, tangent: Floats) -> Floats:
+    """Return how the derivatives of a figure by the samples change along a tangent of these.
+
+    They do for mean squares m = w . y², with 2 w ẏ, and their roots r, with
+    w ẏ / r - w y (w y . ẏ) / r³; other figures are linear in the samples. Shape (n_times,).
+    """
+    if kind not in ("rms", "mean_square"):
+        return np.zeros(len(time))
+    own = _square(time, values, np.eye(len(time))).slope
+    moved = _square(time, tangent, np.eye(len(time))).slope
+    if kind == "mean_square":
+        return moved
+    root = _mean_square(time, values, np.zeros((len(time), 0))).value
+    if root == 0.0:
+        return np.zeros(len(time))
+    return np.asarray(0.5 * moved / root - 0.25 * own * float(own @ tangent) / root**3)
+
+
 def sampled_slopes(
     function: Callable[[Floats], dict[str, float]], values: Floats, slopes: Floats
 ) -> dict[str, FigureSlope]:

@@ -98,7 +98,8 @@ class ControlledRun:
         b, z = self._rates((k, part + 0.5 * size), x + 0.5 * h * a, z)
         c, z = self._rates((k, part + 0.5 * size), x + 0.5 * h * b, z)
         d, z = self._rates((k, part + size), x + h * c, z)
-        following = x + h / 6.0 * (a + 2.0 * b + 2.0 * c + d)
+        with np.errstate(over="ignore", invalid="ignore"):
+            following = x + h / 6.0 * (a + 2.0 * b + 2.0 * c + d)
         if not np.isfinite(following).all():
             raise NumericalError("the run left the finite numbers")
         return following, z
@@ -115,13 +116,14 @@ class ControlledRun:
 def state_ranges(states: Floats, units: Sequence[str]) -> Floats:
     """Return the range of each state of a motion (n_times, n_x), shape (n_x,).
 
-    A range is at least a thousandth of the largest one of the same unit, so that what hardly moves
-    is not measured by itself.
+    A range is at least a thousandth of the largest one of the same unit, of rates a thousandth of
+    the largest rate, so that what hardly moves is not measured by itself.
     """
     ranges = np.ptp(states, axis=0)
     largest: dict[str, float] = {}
-    for unit, value in zip(units, ranges, strict=True):
-        largest[unit] = max(largest.get(unit, 0.0), float(value))
+    for unit, value, size in zip(units, ranges, np.abs(states).max(axis=0), strict=True):
+        own = size if unit.endswith("/s") else value
+        largest[unit] = max(largest.get(unit, 0.0), float(own))
     floor = np.array([1e-3 * largest[unit] for unit in units])
     return np.asarray(np.maximum(np.maximum(ranges, floor), 1e-12))
 

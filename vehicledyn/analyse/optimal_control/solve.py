@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.analyse.optimal_control.oracle import Oracle
+from vehicledyn.analyse.interior_point import minimise
 from vehicledyn.analyse.optimal_control.trajectory import Trajectory
 from vehicledyn.analyse.optimal_control.transcription import PointModel, Program
+from vehicledyn.analyse.optimal_control.whole_program import whole_program
 
 Floats = NDArray[np.float64]
 
@@ -48,136 +49,50 @@ Watch = Callable[[int, float, float, Callable[[], Trajectory]], None]
 """Called after each iteration with its number, objective, violation and its trajectory."""
 
 
-def solve_on_mesh(
-    model: PointModel,
-    guess: Trajectory,
-    scales: Floats,
-    *,
-    tolerance: float,
-    most_iterations: int,
-    is_warm: bool,
-    watch: Watch,
-) -> Solution:
-    """Return the optimum on the mesh of a guess.
+@dataclass(frozen=True)
+class Settings:
+    """How to search: ``scales`` are sizes of the states (n_x,), ``watch`` sees each iteration.
 
-    Parameters
-    ----------
-    model
-        Of the problem to solve.
-    guess
-        Where to begin.
-    scales
-        Sizes of the states, shape (n_x,).
-    tolerance
-        Scaled first-order optimality to reach.
-    most_iterations
-        Iterations at most.
-    is_warm
-        Whether the guess is nearly an optimum already.
-    watch
-        Called after each iteration.
+    ``tolerance`` is the scaled first-order optimality to reach, ``most_iterations`` how many it may
+    take. ``barrier`` is the parameter of the barrier to begin with where the guess is nearly an
+    optimum, None where it is not: then it adapts.
     """
-    import casadi
 
-    program = Program(model, guess.mesh, scales)
-    oracle = Oracle(program.rows)
-    seen = _observer(program, watch)
+    scales: Floats
+    tolerance: float
+    most_iterations: int
+    watch: Watch
+    barrier: float | None = None
+
+
+def solve_on_mesh(model: PointModel, guess: Trajectory, settings: Settings) -> Solution:
+    """Return the optimum of a problem on the mesh of a guess, where the search begins."""
+    made = Program(model, guess.mesh, settings.scales)
+    program = whole_program(made.rows, made.bounds())
+
+    def seen(number: int, variables: Floats, objective: float, constraints: Floats) -> None:
+        def at() -> Trajectory:
+            return made.layout.trajectory(variables, guess.mesh)
+
+        settings.watch(number, objective, program.violation(constraints), at)
+
     options: dict[str, Any] = {
-        "ipopt.print_level": 0,
-        "print_time": False,
-        "ipopt.sb": "yes",
-        "ipopt.max_iter": most_iterations,
-        "ipopt.tol": tolerance,
-        "ipopt.acceptable_tol": 1e2 * tolerance,
-        "ipopt.constr_viol_tol": min(tolerance, _FEASIBLE),
-        "ipopt.acceptable_constr_viol_tol": _FEASIBLE,
-        "ipopt.mu_strategy": "adaptive",
-        "ipopt.theta_max_fact": 1.0,  # else steps may leave the motion far behind
-        "ipopt.linear_solver": "mumps",
-        # smaller pivots miscount the signs of stiff models' eigenvalues, which stops the search
-        "ipopt.mumps_pivtol": 1e-2,
-        "error_on_fail": False,
-        "grad_f": oracle.gradient,
-        "jac_g": oracle.jacobian,
-        "hess_lag": oracle.hessian,
-        "no_nlp_grad": True,
-        "iteration_callback": seen,
-        "iteration_callback_ignore_errors": False,
+        "max_iter": settings.most_iterations,
+        "tol": settings.tolerance,
+        "acceptable_tol": 1e2 * settings.tolerance,
+        "constr_viol_tol": min(settings.tolerance, _FEASIBLE),
+        "acceptable_constr_viol_tol": _FEASIBLE,
+        "mu_strategy": "adaptive",
+        "theta_max_fact": 1.0,  # else steps may leave the motion far behind
     }
-    if is_warm:
-        options |= {"ipopt.mu_strategy": "monotone", "ipopt.mu_init": 1e-4}
-    solver = casadi.nlpsol("optimum", "ipopt", oracle.values, options)
-    low, high = program.bounds()
-    row_low, row_high = program.rows.bounds
-    start = np.clip(program.layout.of(guess), low, high)
-    found = solver(x0=start, lbx=low, ubx=high, lbg=row_low, ubg=row_high)
-    for raised in (seen.error, oracle.error):
-        if raised is not None:
-            raise raised
-    stats = solver.stats()
-    status = str(stats["return_status"])
-    rows = np.array(found["g"]).ravel()
-    violation = float(np.maximum(row_low - rows, rows - row_high).max(initial=0.0))
-    failure = _ENDS.get(status, status.replace("_", " ").lower())
+    if settings.barrier is not None:
+        options |= {"mu_strategy": "monotone", "mu_init": settings.barrier}
+    start = np.clip(made.layout.of(guess), *program.bounds)
+    found = minimise(program, start, options, seen)
     return Solution(
-        program.layout.trajectory(np.array(found["x"]), guess.mesh),
-        float(found["f"]),
-        int(stats["iter_count"]),
-        violation,
-        failure,
+        made.layout.trajectory(found.variables, guess.mesh),
+        found.objective,
+        found.iterations,
+        program.violation(found.constraints),
+        _ENDS.get(found.status, found.status.replace("_", " ").lower()),
     )
-
-
-def _observer(program: Program, watch: Watch) -> Any:
-    """Return what IPOPT calls after each iteration."""
-    import casadi
-
-    row_low, row_high = program.rows.bounds
-
-    class Observer(casadi.Callback):
-        """Report the iterations of a search."""
-
-        def __init__(self) -> None:
-            casadi.Callback.__init__(self)
-            self.count = 0
-            self.error: BaseException | None = None
-            self.construct("observer", {})
-
-        def get_n_in(self) -> int:
-            return int(casadi.nlpsol_n_out())
-
-        def get_n_out(self) -> int:
-            return 1
-
-        def get_name_in(self, index: int) -> str:
-            return str(casadi.nlpsol_out(index))
-
-        def get_sparsity_in(self, index: int) -> Any:
-            sizes = {
-                "f": 1,
-                "x": program.layout.size,
-                "lam_x": program.layout.size,
-                "g": len(row_low),
-                "lam_g": len(row_low),
-            }
-            return casadi.Sparsity.dense(sizes.get(casadi.nlpsol_out(index), 0), 1)
-
-        def eval(self, arguments: Any) -> list[int]:
-            named = dict(zip(casadi.nlpsol_out(), arguments, strict=True))
-            rows = np.array(named["g"]).ravel()
-            violation = float(np.maximum(row_low - rows, rows - row_high).max(initial=0.0))
-            variables = np.array(named["x"])
-            try:
-                watch(
-                    self.count,
-                    float(named["f"]),
-                    violation,
-                    lambda: program.layout.trajectory(variables, program.mesh),
-                )
-            except (Exception, KeyboardInterrupt) as error:  # crosses C++ code
-                self.error = error
-                return [1]
-            self.count += 1
-            return [0]
-
-    return Observer()

@@ -11,6 +11,8 @@ Programming, chapters 3 and 4; Garg et al. (2011), Computational Optimization an
 
 from __future__ import annotations
 
+from copy import copy
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -46,6 +48,12 @@ class PointModel:
         # the start of a periodic motion is where its end is, which is on the path already
         if curves is not None and not set(place) <= set(problem.growth):
             self.start = PointDerivatives(start_function(problem, curves))
+
+    def within(self, duration: tuple[float, float]) -> PointModel:
+        """Return the same of the problem with other bounds of its duration [s]."""
+        other = copy(self)
+        other.problem = replace(self.problem, duration=duration)
+        return other
 
 
 class Program:

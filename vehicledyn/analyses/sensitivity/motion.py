@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.analyse.gradients.adjoint import figure_adjoint
+from vehicledyn.analyse.gradients.adjoint import (
+    EventPassedError,
+    FigureAdjoint,
+    figure_adjoint,
+    goes_back,
+)
 from vehicledyn.analyse.gradients.key_figures import FigureSlope, figure_slope, unit_of
 from vehicledyn.analyse.gradients.motion_slopes import MotionSlopes
 from vehicledyn.analyses.preparation.prepared import Progress
@@ -89,11 +93,11 @@ _BACK_FROM = 64
 
 
 def _goes_back(loaded: LoadedScenario, of: list[str], to: list[str]) -> bool:
-    """Return whether adjoints are quicker: one figure of a channel, many directions, no events."""
+    """Return whether adjoints are quicker: one figure of a channel, many directions."""
     prepared, start = prepare_run(loaded, backend="auto", progress=lambda *_: None)
     e, solver = prepared.equations, loaded.scenario.solver
     alone = len(of) == 1 and "(" in of[0]
-    plain = getattr(solver, "fixed_method", None) == Method.RK4 and not e.events
+    plain = getattr(solver, "fixed_method", None) == Method.RK4 and goes_back(e)
     if not (alone and plain):
         return False
     chosen = directions(e, prepared.kernel.parameters, start.state, to)
@@ -117,16 +121,20 @@ def _figure_back(
         return found, found.slope[:, None]
 
     progress("following the motion back", None)
-    find = partial(
-        figure_adjoint,
-        study.code,
-        kernel,
-        study.grid,
-        n_intervals=study.n_intervals,
-        start=(study.start.state, study.start.unknowns),
-        figure=figure,
-    )
+
+    def find() -> FigureAdjoint | None:
+        start = study.start.state, study.start.unknowns
+        given = kernel.parameters, study.grid
+        try:
+            return figure_adjoint(
+                study.code, *given, n_intervals=study.n_intervals, start=start, figure=figure
+            )
+        except EventPassedError:
+            return None
+
     found = memory.recall_or_raise("adjoint", name, find)
+    if found is None:
+        return _figures_ahead(loaded, ([name], [channel]), to, progress, memory)
     moved = study.start_slopes(chosen) + chosen.by_state
     slope = found.by_parameter @ chosen.by_parameter + found.by_state @ moved
     unsure = unconfirmed_figure(study, chosen, kind, slope)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyse.gradients.adjoint import FigureAdjoint
-from vehicledyn.analyse.gradients.equilibrium import Balance, start_slopes
+from vehicledyn.analyse.gradients.equilibrium import Balance, BalancedStart
 from vehicledyn.analyse.gradients.key_figures import (
     FigureSlope,
     figure_slope,
@@ -261,35 +261,37 @@ class MotionStudy:
 
     def start_slopes(self, chosen: Directions) -> Floats:
         """Return how the start follows the parameters; given states follow the speed alone."""
+        given, balanced = self.given_slopes(chosen), self.balance()
+        if balanced is None:
+            return given
+        return balanced.slopes(self.code, chosen.by_parameter, given)
+
+    def balance(self) -> BalancedStart | None:
+        """Return the equilibrium that the start is taken from, None where all of it is given."""
         subject, scenario = self.prepared.subject, self.loaded.scenario
         speed = scenario.speed or 0.0
         kind = scenario.start or subject.usual_start
         kernel, e = self.prepared.kernel, self.prepared.equations
-        given = self._given(chosen, speed)
         if kind == "nominal":
-            return given
+            return None
         held = kernel.parameters
         balanced_speed = 0.0 if kind == "static" else speed
-        state = self.start.state.copy()
+        state, others = self.start.state.copy(), list[int]()
         pairs = subject.balance_pairs(e, balanced_speed)
         if kind == "static":
             others = [k for k in e.speeds if k not in pairs[0]]
             state[others] = subject.still_state(e)[others]
         set_speed(self.prepared, balanced_speed)
-        try:
-            point = (state, self.start.unknowns)
-            balance = Balance(kernel.parameters, subject.balance_time, point, pairs)
-            moved = given if kind == "steady" else np.zeros(given.shape)
-            found = start_slopes(self.code, balance, chosen.by_parameter, moved)
-        finally:
-            kernel.set_parameters(held)
-        if kind == "static":
-            found[others] = given[others]
-        return found
+        parameters = kernel.parameters
+        kernel.set_parameters(held)
+        point = (state, self.start.unknowns)
+        balance = Balance(parameters, subject.balance_time, point, pairs)
+        return BalancedStart(balance, tuple(others), follows=kind == "steady")
 
-    def _given(self, chosen: Directions, speed: float) -> Floats:
+    def given_slopes(self, chosen: Directions) -> Floats:
         """Return how the given states follow the speed, in which they are linear."""
         subject, e = self.prepared.subject, self.prepared.equations
+        speed = self.loaded.scenario.speed or 0.0
         slopes = np.zeros(chosen.by_state.shape)
         names = [p.name for p in e.parameters]
         if "speed" in names and "speed" in subject.parameters_at(speed or 1.0):

@@ -31,7 +31,8 @@ class SensitivityTable:
     ``parameters`` with their ``parameter_values`` (n_parameters,); ``figures`` with ``values``
     (n_figures,) and ``slopes`` (n_figures, n_parameters), not a number where none exists;
     ``channels`` sampled at ``time`` (n_times,) with ``channel_values`` (n_channels, n_times) and
-    ``channel_slopes`` (n_channels, n_times, n_parameters). ``cost`` is in simulations.
+    ``channel_slopes`` (n_channels, n_times, n_parameters). ``curvatures``, shape as ``slopes``, are
+    second derivatives along a direction, if any: Hessians of the figures times that.
     """
 
     title: str
@@ -46,6 +47,7 @@ class SensitivityTable:
     channel_values: Any = field(default_factory=lambda: np.zeros((0, 0)))
     channel_slopes: Any = field(default_factory=lambda: np.zeros((0, 0, 0)))
     notes: tuple[str, ...] = ()
+    curvatures: Any = None
 
     @property
     def elasticities(self) -> Any:
@@ -88,6 +90,9 @@ def write_sensitivity(path: Path, table: SensitivityTable) -> None:
         words = ("as figure", "Change of the figure by one per cent of the parameter")
         scales = (figures, parameters)
         write_numbers(file, "figure_change_per_percent", table.elasticities, scales, words)
+        if table.curvatures is not None:
+            words = ("as figure", "Hessian of the figure times the direction")
+            write_numbers(file, "figure_curvature", table.curvatures, scales, words)
         write_texts(file, "notes", table.notes)
         if not table.channels:
             return
@@ -124,6 +129,8 @@ def read_sensitivity(path: Path) -> SensitivityTable:
                 "channel_values": sizes.read(file, "channel_value", *axes[:2]),
                 "channel_slopes": sizes.read(file, "channel_slope", *axes),
             }
+        if "figure_curvature" in file:
+            more["curvatures"] = sizes.read(file, "figure_curvature", "figure", "parameter")
         return SensitivityTable(
             str(file.attrs["title"]),
             str(file.attrs["model"]),

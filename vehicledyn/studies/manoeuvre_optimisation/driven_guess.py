@@ -72,21 +72,22 @@ class Driver:
         )
 
     def drive(self, guess: Trajectory, *, laps: int) -> Trajectory | None:
-        """Return the last of some laps on the mesh of a guess, or None where that fails.
+        """Return the last of some laps on the mesh of a guess, or None if no control drives.
 
         The guess has the states and unknowns at the start, and the distances to go.
+
+        Raises
+        ------
+        NumericalError
+            If the vehicle leaves the path, or does not reach the end.
         """
         first, last = guess.first_distance, float(guess.distance[-1, -1])
         self._lap = (first, last - first) if laps > 1 else (0.0, np.inf)
-        try:
-            answers = self._answers(guess)
-            if not answers[0].any():
-                return None
-            log = self._log(guess, answers, first + laps * (last - first))
-            begin = first + (laps - 1) * (last - first)
-            return None if log is None else self._on_mesh(guess, log, begin)
-        except NumericalError:
+        answers = self._answers(guess)
+        if not answers[0].any():
             return None
+        log = self._log(guess, answers, first + laps * (last - first))
+        return self._on_mesh(guess, log, first + (laps - 1) * (last - first))
 
     def _on_mesh(self, guess: Trajectory, log: tuple[Floats, ...], begin: float) -> Trajectory:
         """Return what was driven from a distance on, on the mesh of a guess."""
@@ -171,7 +172,7 @@ class Driver:
 
     def _log(
         self, guess: Trajectory, answers: tuple[Floats, Floats], end: float
-    ) -> tuple[Floats, ...] | None:
+    ) -> tuple[Floats, ...]:
         """Return times, distances, states, unknowns and controls up to a distance."""
         x, z = guess.first.copy(), guess.unknowns[0, 0].copy()
         held, s, rows = np.zeros((3, self._low.size)), guess.first_distance, []
@@ -186,9 +187,9 @@ class Driver:
             place = (float(x[k]) for k in self._vehicle.place)
             gap, offset = self._curves.seen(self._on_lap(s), *place)
             if abs(float(offset)) > _FAR:
-                return None
+                raise NumericalError(f"the vehicle is {_FAR:g} m beside the path after {s:.4g} m")
             s += float(gap)
-        return None
+        raise NumericalError(f"the vehicle came {s:.4g} m far in {most * _STEP:.4g} s")
 
     def _steered(self, held: Floats, x: Floats, s: float, answers: tuple[Floats, Floats]) -> Floats:
         """Return the controls a step later."""

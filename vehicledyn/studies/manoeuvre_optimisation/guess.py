@@ -8,15 +8,15 @@ from numpy.typing import NDArray
 from vehicledyn.analyse.optimal_control.path_curves import PathCurves
 from vehicledyn.analyse.optimal_control.problem import ControlProblem
 from vehicledyn.analyse.optimal_control.trajectory import DEGREE, Trajectory, radau_points
-from vehicledyn.base.errors import InputError
+from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.studies.manoeuvre_optimisation.driven_guess import Driver, Vehicle
 from vehicledyn.studies.manoeuvre_optimisation.model import PreparedManoeuvre, duration_bounds
 
 Floats = NDArray[np.float64]
 
 
-def first_guess(manoeuvre: PreparedManoeuvre) -> Trajectory:
-    """Return the motion to begin with.
+def first_guess(manoeuvre: PreparedManoeuvre) -> tuple[Trajectory, str]:
+    """Return the motion to begin with, and a warning if it should be driven but could not.
 
     States go in a straight line from start to end where both are given; else they coast. On a
     path a driver takes a vehicle along at the speed of the start; what has no heading, or is not
@@ -59,13 +59,21 @@ def first_guess(manoeuvre: PreparedManoeuvre) -> Trajectory:
         np.zeros((n, n_u)),
         np.tile(np.clip(0.0, low, high), (n, DEGREE, 1)),
     )
-    return _driven(manoeuvre, along_path) or along_path
+    try:
+        return _driven(manoeuvre, along_path) or along_path, ""
+    except NumericalError as error:
+        return along_path, (
+            f"warning: driving along the path to begin with failed: {error}; the search began with "
+            "a motion along it that forces do not bring about, from which it may not converge: "
+            "start slower, or widen the bounds of the controls"
+        )
 
 
 def _driven(manoeuvre: PreparedManoeuvre, along_path: Trajectory) -> Trajectory | None:
     """Return the motion of a vehicle with a driver, None where nothing is to be driven.
 
-    A closed path is driven twice, since the first round begins straight.
+    Raises NumericalError where it cannot be driven. A closed path is driven twice, since the first
+    round begins straight.
     """
     problem, prepared, study = manoeuvre.problem, manoeuvre.prepared, manoeuvre.study
     index = {s.name: k for k, s in enumerate(prepared.equations.states)}

@@ -9,12 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyse.optimal_control.path_curves import PathCurves
+from vehicledyn.analyse.optimal_control.shortened import solve_by_shortening
 from vehicledyn.analyse.optimal_control.simulated import (
     ControlledRun,
     relative_errors,
     state_ranges,
 )
-from vehicledyn.analyse.optimal_control.solve import Solution, solve_on_mesh
+from vehicledyn.analyse.optimal_control.solve import Settings, Solution, solve_on_mesh
 from vehicledyn.analyse.optimal_control.trajectory import DEGREE, Trajectory, radau_points
 from vehicledyn.analyse.optimal_control.transcription import PointModel
 from vehicledyn.analyses.preparation.prepared import Progress
@@ -37,6 +38,9 @@ _STEPS, _LONGEST_STEP = 2000, 5e-3
 
 _MOST_PARTS = 4
 """Parts into which a refinement cuts an interval at most."""
+
+_WARM_BARRIER = 1e-4
+"""Parameter of the barrier to begin with where a motion is nearly an optimum already."""
 
 _TOO_FAR = 0.01
 """Part of a state's range by which the simulation may miss the optimum before it is warned of."""
@@ -108,14 +112,16 @@ def run_manoeuvre(study: ManoeuvreStudy, *, kept: KeptWork, progress: Progress) 
         If the model has no start.
     """
     manoeuvre = prepare_manoeuvre(study, progress)
-    start = first_guess(manoeuvre)
+    start, trouble = first_guess(manoeuvre)
     facts = "optimise-manoeuvre", study.text, digests_to_keep(kept, [study.target])
     memory = kept.memory(*facts, kinds=(Trajectory,))
     known = memory.noted(_ITERATE)
     search = _Search(manoeuvre, state_scales(start), memory, progress)
     solution = search.run(known or start, is_warm=known is not None)
     notes = ["went on from the iterate that was kept"] if known is not None else []
-    return ManoeuvreReport(search.table(solution, notes))
+    if trouble and known is None:
+        notes.append(trouble)
+    return ManoeuvreReport(search.table(solution, [*notes, *search.notes]))
 
 
 def _parts(errors: Floats) -> NDArray[np.int64]:
@@ -141,6 +147,7 @@ class _Search:
         self.memory, self.progress = memory, progress
         self.history: list[tuple[float, float]] = []
         self.mesh_errors: list[float] = []
+        self.notes: list[str] = []
         self.units = [s.unit for s in manoeuvre.problem.equations.states]
 
     def run(self, guess: Trajectory, *, is_warm: bool) -> Solution:
@@ -150,15 +157,15 @@ class _Search:
         model = PointModel(problem)
         for level in range(study.refinements + 1):
             self.progress(f"optimising on {guess.n_intervals} intervals", None)
-            solution = solve_on_mesh(
-                model,
-                guess,
+            warm = is_warm or level > 0
+            settings = Settings(
                 self.scales,
-                tolerance=study.tolerance,
-                most_iterations=study.most_iterations,
-                is_warm=is_warm or level > 0,
-                watch=self._watch,
+                study.tolerance,
+                study.most_iterations,
+                self._watch,
+                _WARM_BARRIER if warm else None,
             )
+            solution = self._solved(model, guess, settings)
             if solution.failure:
                 return solution
             errors = self._interval_errors(solution.trajectory)
@@ -168,6 +175,20 @@ class _Search:
             counts = _parts(errors / study.accuracy)
             guess = solution.trajectory.refined(problem.controls, counts)
         return solution
+
+    def _solved(self, model: PointModel, guess: Trajectory, settings: Settings) -> Solution:
+        """Return the optimum on a mesh; a quickest one not found is approached from slow ones."""
+        solution = solve_on_mesh(model, guess, settings)
+        low, high = model.problem.duration
+        is_quickest = any(what[0] == "time" for _, what in model.problem.terms) and low < high
+        if not (solution.failure and is_quickest):
+            return solution
+        self.notes.append(
+            f"on {guess.n_intervals} intervals the search from the first motion failed "
+            f"({solution.failure}); it went on from that by shortening it little by little"
+        )
+        self.progress("shortening the motion little by little", None)
+        return solve_by_shortening(model, solution.trajectory, guess, settings)
 
     def _watch(self, number: int, objective: float, violation: float, at: Any) -> None:
         self.history.append((objective, violation))

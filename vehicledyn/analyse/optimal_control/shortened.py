@@ -1,0 +1,66 @@
+"""The quickest motion, found from a slow one by shortening it little by little.
+
+Far from an optimum at the limit of tyres a search takes steps that leave the motion behind. At a
+given duration the problem is tame, and the next shorter one is near.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from vehicledyn.analyse.optimal_control.solve import Settings, Solution, solve_on_mesh
+from vehicledyn.analyse.optimal_control.trajectory import Trajectory
+from vehicledyn.analyse.optimal_control.transcription import PointModel
+
+_FIRST, _LEAST = 0.04, 0.002
+"""Part by which a motion is shortened at first, and below which shortening is given up."""
+
+_LONGER = 1e-4
+"""Part by which a motion that is longer than it must be is an optimum."""
+
+_MOST_ITERATIONS = 60
+"""Iterations for one duration; where these do not do, it is shortened by less."""
+
+_BARRIER = 1e-3
+
+
+def solve_by_shortening(
+    model: PointModel, lost: Trajectory, guess: Trajectory, settings: Settings
+) -> Solution:
+    """Return the optimum on the mesh of a guess, or where and why it was not found.
+
+    Parameters
+    ----------
+    model
+        Of a problem whose duration is free.
+    lost
+        Where another search ended, which is slowed down a little to begin with.
+    guess
+        A motion that is slow enough for all limits, to begin with where that fails.
+    settings
+        Of the search; its iterations are those at the end.
+    """
+    low, high = model.problem.duration
+    brief = replace(
+        settings, most_iterations=min(_MOST_ITERATIONS, settings.most_iterations), barrier=_BARRIER
+    )
+    spent, part, shortest = 0, _FIRST, lost
+    duration = min(max((1.0 + _FIRST) * lost.duration, low), high)
+    is_begun = False
+    while part >= _LEAST and duration >= low:
+        found = solve_on_mesh(model.within((duration, high)), shortest, brief)
+        spent += found.iterations
+        if not found.failure:
+            is_begun, shortest = True, found.trajectory
+            if shortest.duration > (1.0 + _LONGER) * duration:
+                return replace(found, iterations=spent)
+        elif is_begun:
+            part *= 0.5
+        elif shortest is lost:
+            shortest, duration = guess, guess.duration
+            continue
+        else:
+            break
+        duration = shortest.duration * (1.0 - part)
+    last = solve_on_mesh(model, shortest, replace(settings, barrier=_BARRIER))
+    return replace(last, iterations=spent + last.iterations)
