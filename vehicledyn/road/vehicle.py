@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass, replace
 
 from vehicledyn.multibody.model.bodies import Joint, Turn
@@ -92,6 +93,22 @@ class RoadVehicle:
         symbols = ops.column([entry.symbol for entry in entries])
         number = ops.numeric([symbols], ops.column([expression]))
         return float(number([entry.value for entry in entries]).ravel()[0])
+
+    @property
+    def articulation(self) -> str | None:
+        """The yaw coordinate of the first body behind the chassis on wheels of its own, if any."""
+        parents = {body.name: body.parent for body in self.system.bodies}
+        carried: Counter[str] = Counter()
+        for corner in self.corners:
+            name = corner.body
+            while name in parents and name != self.chassis:
+                carried[name] += 1
+                name = parents[name]
+        for body in self.system.bodies:
+            yaws = [j.name for j in body.joints if isinstance(j, Joint) and j.kind == "R3"]
+            if carried[body.name] > 1 and yaws:
+                return yaws[0]
+        return None
 
     def with_parts(self, *parts: Part) -> RoadVehicle:
         """Return the vehicle with parts acting on it, a foot in place of a pedal's switch."""

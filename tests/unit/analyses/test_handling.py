@@ -7,6 +7,7 @@ import vehicledyn
 from vehicledyn.analyses.handling.circle import constant_radius, constant_speed, constant_steering
 from vehicledyn.analyses.handling.cornering_modes import CorneringModes
 from vehicledyn.analyses.handling.equal_curvature import gradients_on_circle
+from vehicledyn.analyses.handling.standard_tests import StandardTests
 from vehicledyn.analyses.handling.steady_turn import SteadyTurn, solver_for
 from vehicledyn.analyses.handling.test_run import drive, figures_of
 from vehicledyn.analyses.handling.tested_car import CONTROL, TestedCar
@@ -292,3 +293,29 @@ def test_a_path_tighter_than_the_car_is_refused(tmp_path):
     path.write_text(LOST.replace("SPEED", "10 m/s").replace("STOP", "2 mm"))
     with pytest.raises(InputError, match=r"radius of .* m behind x = .* rack_stop"):
         vehicledyn.simulate(path)
+
+
+def test_a_truck_is_tested_within_its_limits():
+    """It tips over at 4 m/s²: a step of that would have no steady value to tell."""
+    solver = solver_of("tractor_semitrailer")
+    assert solver.car.vehicle.articulation == "trailer.yaw"
+    tests = StandardTests(solver, lambda *_: None)
+    tests.transients()
+    tests.braking()
+    tests.trailer_sway()
+    found = {(f.test, f.name): f.value for f in tests.figures}
+    assert found["step_steer", "lateral_acceleration_steady"] == pytest.approx(2.41, rel=0.03)
+    assert abs(found["straight_braking", "heading_change"]) < 0.02
+    assert any("wheels lock" in note for note in tests.notes)
+    assert found["trailer_sway", "sway_damping_ratio"] > 0.0
+    assert all(" in place of " in note for note in tests.notes)
+    assert not any("overturned" in note for note in tests.notes)
+
+
+def test_figures_of_a_drive_that_rolls_over_are_left_out():
+    solver = solver_of("tractor_semitrailer")
+    tests = StandardTests(solver, lambda *_: None)
+    step = StepSteer(speed_control=solver.car.control, angle=0.05)
+    assert tests._run("step_steer", step, 80.0 / 3.6, 4.5).ended_by
+    assert not tests.figures
+    assert "step_steer" in tests.sheets

@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TypeVar
 
 import numpy as np
 
+from vehicledyn.analyses.handling.circle import constant_speed
 from vehicledyn.analyses.handling.cornering_modes import CorneringModes
 from vehicledyn.analyses.handling.response_sheets import (
     ANSWERS,
@@ -27,6 +29,7 @@ from vehicledyn.road.manoeuvres.frequency_test import FREQUENCIES
 from vehicledyn.road.manoeuvres.kinds.braking.braking_in_turn import BrakingInTurn
 from vehicledyn.road.manoeuvres.kinds.braking.split_braking import SplitBraking
 from vehicledyn.road.manoeuvres.kinds.braking.straight_braking import StraightBraking
+from vehicledyn.road.manoeuvres.kinds.coast_down import CoastDown
 from vehicledyn.road.manoeuvres.kinds.crosswind import Crosswind
 from vehicledyn.road.manoeuvres.kinds.fishhook import Fishhook
 from vehicledyn.road.manoeuvres.kinds.j_turn import JTurn
@@ -35,6 +38,7 @@ from vehicledyn.road.manoeuvres.kinds.single_sine import SingleSine
 from vehicledyn.road.manoeuvres.kinds.slowly_increasing_steer import SlowlyIncreasingSteer
 from vehicledyn.road.manoeuvres.kinds.step_steer import StepSteer
 from vehicledyn.road.manoeuvres.kinds.swept_sine import SweptSine
+from vehicledyn.road.manoeuvres.kinds.trailer_sway import TrailerSway
 from vehicledyn.road.manoeuvres.kinds.weave import Weave
 from vehicledyn.road.manoeuvres.sine_dwell_test import SineDwellTest
 from vehicledyn.road.manoeuvres.speed_control import SpeedControl
@@ -50,6 +54,9 @@ ROLLOVER_SPEEDS = tuple(speed * _MILE for speed in (35.0, 40.0, 45.0, 47.5, 50.0
 SPLIT_SPEED, SPLIT_DECELERATION, SPLIT_DURATION = _MOTORWAY, 4.0, 12.0
 """Initial speed on split friction [m/s], what its brakes would give on even friction [m/s²], and
 how long a run takes; a mean deceleration of 2.5 m/s² stops the car in it [s]."""
+
+_PARTS_BRAKED = (1.0, 0.75, 0.5, 0.35)
+"""Parts of the wanted deceleration that are tried where wheels lock before."""
 
 _LARGEST_ANGLE = math.radians(270.0)
 _CAP = math.radians(300.0)
@@ -82,6 +89,9 @@ class StandardTests:
             self.tried("J-turn", lambda: self.j_turn(third_g))
         self.tried("braking", self.braking)
         self.tried("crosswind", self.crosswind)
+        self.tried("coast-down", self.coast_down)
+        if self.solver.car.vehicle.articulation is not None:
+            self.tried("trailer sway", self.trailer_sway)
 
     def tried(self, words: str, test: Callable[[], T]) -> T | None:
         """Run a test; note why it cannot be done, so that the others are kept."""
@@ -93,7 +103,7 @@ class StandardTests:
 
     def slowly_increasing_steer(self) -> float | None:
         """Run the slowly increasing steer; return the steering angle at 0.3 g [rad]."""
-        last = self._angle(_TOWN, 4.8)
+        last = self._angle(_TOWN, self._level("slowly increasing steer", 4.8, 0.95))
         rate = math.radians(13.5) if self._has_wheel else last / 15.0
         test = SlowlyIncreasingSteer(speed_control=self._control, angle=1.05 * last, rate=rate)
         run = self._run("slowly_increasing_steer", test, _TOWN, 0.5 + 1.05 * last / rate + 0.5)
@@ -105,7 +115,7 @@ class StandardTests:
 
     def transients(self) -> None:
         """Run ISO 7401's step and single sine at 4 m/s²."""
-        angle = self._angle(_TOWN, 4.0)
+        angle = self._angle(_TOWN, self._level("step steer and single sine", 4.0, 0.6))
         self._run("step_steer", StepSteer(speed_control=self._control, angle=angle), _TOWN, 4.5)
         sine = SingleSine(speed_control=self._control, amplitude=angle)
         self._run("single_sine", sine, _TOWN, 4.5)
@@ -206,7 +216,7 @@ class StandardTests:
 
     def braking(self) -> None:
         """Brake in a turn of 100 m at 5 m/s², and on the straight from 100 km/h."""
-        speed = math.sqrt(5.0 * 100.0)
+        speed = math.sqrt(self._level("braking in a turn", 5.0, 0.7) * 100.0)
         start = self._near(speed, Turn(speed, "curvature", 0.01))
         torque = self._brake_torque(speed, 4.0)
         angle = float(start.parameters[self.solver.car.table_places("test.steering.angle")[0]])
@@ -229,6 +239,20 @@ class StandardTests:
         """Let a gust of 1 kN, 0.5 m ahead of the origin, act at 100 km/h."""
         test = Crosswind(speed_control=self._control, force=1000.0, ahead=0.5)
         self._run("crosswind", test, _MOTORWAY, 4.0)
+
+    def coast_down(self) -> None:
+        """Let the car roll from 100 km/h without throttle."""
+        self._run("coast_down", CoastDown(speed_control=self._control), _MOTORWAY, 10.0)
+
+    def trailer_sway(self) -> None:
+        """Turn the steering wheel to and back at 100 km/h, by what a turn of 3 m/s² needs."""
+        test = TrailerSway(
+            speed_control=self._control,
+            amplitude=self._angle(_MOTORWAY, 3.0),
+            width=0.4,
+            articulation=self.solver.car.vehicle.articulation,
+        )
+        self._run("trailer_sway", test, _MOTORWAY, 8.0)
 
     def _tip_up(self, name: str, test_at: Callable[[float], DrivingTest], duration: float) -> None:
         tipped = math.nan
@@ -257,7 +281,8 @@ class StandardTests:
         start: tuple[CarPoint, dict[str, float]] | None = None,
     ) -> DrivenTest:
         run = self._drive(name.replace("_", " "), test, speed, duration, start)
-        self.figures += figures_of(self.solver.car, name, run)
+        if not run.ended_by:
+            self.figures += figures_of(self.solver.car, name, run)
         self.sheets[name] = sheet_of(run)
         return run
 
@@ -291,18 +316,47 @@ class StandardTests:
 
         return reached(self.solver, part, turn.value, self.straight_at(speed), steps=5)
 
+    def _level(self, words: str, wanted: float, share: float) -> float:
+        """Return the lateral acceleration of a test, a share of the largest steady one at most."""
+        level = min(wanted, share * self._limit)
+        if level < wanted:
+            self.notes.append(
+                f"{words}: at {level:.3g} m/s^2 in place of {wanted:g} m/s^2, since no steady turn "
+                f"exceeds {self._limit:.3g} m/s^2"
+            )
+        return level
+
+    @cached_property
+    def _limit(self) -> float:
+        """Largest lateral acceleration of a steady turn at 80 km/h [m/s²]."""
+        return float(constant_speed(self.solver, _TOWN).values["lateral_acceleration"].max())
+
     def _angle(self, speed: float, lateral: float) -> float:
         """Return the steering-wheel angle of a steady turn beyond that of straight running."""
         point = self._near(speed, Turn(speed, "lateral_acceleration", lateral))
         ratio = self.solver.car.table_places("test.steering.angle")[0]
         return float(point.parameters[ratio])
 
-    def _brake_torque(self, speed: float, deceleration: float) -> float:
+    def _brake_torque(
+        self, speed: float, deceleration: float, parts: tuple[float, ...] = _PARTS_BRAKED
+    ) -> float:
+        """Return the torque for a deceleration, or for the part of it that the brakes reach."""
 
         def turn(size: float) -> Turn:
             return Turn(speed, "steering", 0.0, -size)
 
-        point = reached(self.solver, turn, deceleration, self.straight_at(speed), steps=3)
+        size = parts[0] * deceleration
+        try:
+            point = reached(self.solver, turn, size, self.straight_at(speed), steps=3)
+        except NumericalError:
+            if len(parts) == 1:
+                raise
+            return self._brake_torque(speed, deceleration, parts[1:])
+        if size < deceleration:
+            self.notes.append(
+                f"braking from {speed * 3.6:.3g} km/h: for {size:.3g} m/s^2 in place of "
+                f"{deceleration:g} m/s^2, for which wheels lock"
+            )
         return float(point.parameters[self.solver.car.table_places("test.brake_torque")[0]])
 
     @property

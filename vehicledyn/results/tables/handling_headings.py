@@ -22,6 +22,8 @@ STANDARDS = {
     "split_braking": "ISO 14512",
     "split_braking_steered": "ISO 14512",
     "crosswind": "ISO 12021",
+    "coast_down": "ISO 10521-1",
+    "trailer_sway": "ISO 9815",
     "double_lane_change": "ISO 3888-1",
     "obstacle_avoidance": "ISO 3888-2",
 }

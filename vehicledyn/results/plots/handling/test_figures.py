@@ -29,6 +29,8 @@ TESTS = {
     "split_braking": "Braking on split friction (ISO 14512), steering wheel held",
     "split_braking_steered": "Braking on split friction (ISO 14512), steered",
     "crosswind": "Side wind (ISO 12021), 1 kN",
+    "coast_down": "Coast-down (ISO 10521-1)",
+    "trailer_sway": "Trailer sway (ISO 9815)",
     "double_lane_change": "Double lane change (ISO 3888-1)",
     "obstacle_avoidance": "Obstacle avoidance (ISO 3888-2), last speed passed",
 }
