@@ -1,9 +1,9 @@
 """Measure cases side by side: ``python benchmarks/lanes.py [--quick] [--json FILE]``.
 
-Look-ups of tables, chains, a right-hand side of the Iltis and its slalom, one case alone and
-several in SIMD lanes, and the starting points of many cases. Candidates take turns; times are
-processor times, of which the median of several repetitions is printed with the smallest and the
-largest. Writes nothing but the JSON file where one is asked for.
+Look-ups of tables, chains, a right-hand side of the Iltis and its slalom, and implicit steps, one
+case alone and several in SIMD lanes, and the starting points of many cases. Candidates take turns;
+times are processor times, of which the median of several repetitions is printed with the smallest
+and the largest. Writes nothing but the JSON file where one is asked for.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ import numpy as np
 
 import vehicledyn.catalogue  # noqa: F401 - registers models, tyres, solvers
 from vehicledyn.analyses.preparation.prepare import prepare
+from vehicledyn.analyses.simulation.prepared_run import prepare_run
 from vehicledyn.base.registry import find
 from vehicledyn.codegen.toolchain.compiler import suitable_lanes
 from vehicledyn.files.scenario import load_scenario
@@ -72,9 +73,9 @@ class Figure:
 class Track:
     """Cases of one kernel, run alone and in lanes from the same starts."""
 
-    def __init__(self, kernel, cases, span, channels=(), step=STEP):
+    def __init__(self, kernel, cases, span, channels=(), step=STEP, method="rk4"):
         self.kernel, self.cases, self.span, self.channels = kernel, cases, span, list(channels)
-        self.solver = find("solver", "rk4")(step=step)
+        self.solver = find("solver", method)(step=step)
         self.batches = {1: make_batch(kernel, lanes=1)}
         for lanes in (4, 8):
             if lanes <= suitable_lanes():
@@ -179,6 +180,25 @@ def iltis_figures(repeats):
     return figures
 
 
+def implicit_figures(repeats):
+    """Return milliseconds of implicit steps on a car with leaf springs, a case."""
+    loaded = load_scenario(SCENARIOS / "systems" / "jeep_leaf_springs.yaml")
+    prepared, start = prepare_run(loaded, backend="compiled", progress=lambda what, part: None)
+    kernel = prepared.kernel
+    parameters = np.tile(kernel.parameters, (16, 1))
+    masses = [k for k, p in enumerate(kernel.equations.parameters) if p.unit == "kg"]
+    parameters[:, masses] *= 1.0 + SPREAD * np.linspace(-1.0, 1.0, 16)[:, None]
+    points = (np.tile(item, (16, 1)) for item in (start.state, start.unknowns))
+    cases, span = Cases(parameters, *points), {"start": 0.0, "stop": 2.0, "interval": 0.1}
+    figures = []
+    for method, step in (("generalised_alpha", 2.5e-3), ("rk4", 5e-4)):
+        track = Track(kernel, cases, span, step=step, method=method)
+        for lanes, times in track.measure(repeats).items():
+            name = f"jeep on leaf springs, 2 s by {method}, {words(lanes)}"
+            figures.append(Figure(name, "ms", [1e3 * t for t in times]))
+    return figures
+
+
 @dataclass(frozen=True)
 class Curves(BasePart):
     """A force that sums values and slopes of a curve at many places, none without a curve."""
@@ -237,6 +257,7 @@ def main(arguments=None):
             partial(table_figures, repeats),
             partial(chain_figures, lengths, repeats),
             partial(iltis_figures, repeats),
+            partial(implicit_figures, repeats),
         ):
             found = measure()
             figures += found

@@ -1,10 +1,10 @@
 """Run many cases of one model, each with parameters and a start of its own.
 
-Fixed-step methods carry several cases side by side in SIMD lanes, see
-:mod:`vehicledyn.kernel.lanes`; everything else runs case by case on the kernel itself. A case in
-which an event fires, or a loop comes near to a singular configuration, leaves its lane and is run
-by itself, the others go on. The results of a case are the same, bit for bit, whatever the number
-of lanes and its neighbours.
+Methods with steps of one size, explicit and implicit, carry several cases side by side in SIMD
+lanes, see :mod:`vehicledyn.kernel.lanes`; everything else runs case by case on the kernel itself. A
+case in which an event fires, a loop comes near to a singular configuration, or Newton's method does
+not converge, leaves its lane and is run by itself, the others go on. The results of a case are the
+same, bit for bit, whatever the number of lanes and its neighbours.
 """
 
 from __future__ import annotations
@@ -12,31 +12,36 @@ from __future__ import annotations
 import logging
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, TypeAlias
 
 import numpy as np
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.codegen.toolchain.compiler import CompilationError, suitable_lanes
-from vehicledyn.integrate.accuracy.lanes import lane_watch
+from vehicledyn.integrate.accuracy.lanes import LaneWatch, lane_watch
 from vehicledyn.integrate.accuracy.windows import Grid
 from vehicledyn.integrate.cases import CaseEnd, Cases, Plan, Samples
 from vehicledyn.integrate.channel_ranges import watched_channels
-from vehicledyn.integrate.estimated_accuracy import Accuracy
 from vehicledyn.integrate.fixed_step import steps_per_interval
 from vehicledyn.integrate.judged_quantities import Judged
 from vehicledyn.integrate.lane_march import march
-from vehicledyn.integrate.lane_run import LaneRun, Stopped
+from vehicledyn.integrate.lane_run import FixedLaneRun, LaneRun, Stopped
+from vehicledyn.integrate.newmark.lane_run import LaneMethod, NewmarkLaneRun
 from vehicledyn.integrate.simulate import Solver, simulate
 from vehicledyn.integrate.single_case import Judging, Runner, SingleCase
 from vehicledyn.kernel.engine import WEAK_PIVOT, Status, Vector
 from vehicledyn.kernel.kernel import Kernel
 from vehicledyn.kernel.lanes import CHOICES, LaneEngine, compile_lanes
 from vehicledyn.kernel.make_kernel import Progress
+from vehicledyn.kernel.newmark.newmark_code import newmark_lanes
 from vehicledyn.kernel.rate_monitor import RateWatch, Soundness
 
 _log = logging.getLogger(__name__)
+
+_MOST_NUMBERS = 20_000_000
+"""Samples that lanes keep a second time to be judged."""
 
 __all__ = [
     "Batch",
@@ -204,7 +209,7 @@ def run_batch(
     shape = len(cases), plan.n_samples, len(channels)
     samples = np.empty(shape, np.float32) if single else room(shape)
     samples[:] = np.nan
-    parts = _in_turn if batch.engine is None or not hasattr(solver, "fixed_method") else _abreast
+    parts = _abreast if _runs_in_lanes(batch, solver) else _in_turn
     alone = SingleCase(
         batch.kernel, solver, plan, runner, rates, judged or _by_channels(batch, plan)
     )
@@ -225,6 +230,19 @@ Part: TypeAlias = float | tuple[CaseEnd, ...]
 """How many cases are done behind those that ended last, or how the next ones ended."""
 
 
+def _runs_in_lanes(batch: Batch, solver: Any) -> bool:
+    if batch.engine is None or hasattr(solver, "fixed_method"):
+        return batch.engine is not None
+    if getattr(solver, "watched_method", None) is None or solver.constraints != "reduced":
+        return False
+    try:
+        newmark_lanes(batch.lanes)
+    except CompilationError as error:
+        _log.warning("%s; cases run one after the other", error)
+        return False
+    return True
+
+
 def _in_turn(batch: Batch, cases: Cases, samples: Samples, alone: SingleCase) -> Iterator[Part]:
     for index in range(len(cases)):
         yield (alone.run(cases, index, samples[index]),)
@@ -233,51 +251,98 @@ def _in_turn(batch: Batch, cases: Cases, samples: Samples, alone: SingleCase) ->
 
 def _abreast(batch: Batch, cases: Cases, samples: Samples, alone: SingleCase) -> Iterator[Part]:
     """Run groups of cases in lanes."""
-    engine: Any = batch.engine
-    solver: Any = alone.solver
-    plan = alone.plan
-    per_interval = steps_per_interval(solver.step, plan.interval)
+    plan, solver = alone.plan, alone.solver
+    per_interval = steps_per_interval(getattr(solver, "step", 0.0), plan.interval)
+    times = plan.start, plan.interval, per_interval, plan.n_samples - 1
+    grid = Grid.of(solver, *times) or Grid(0, *times)
     further = [] if alone.rates is None else list(alone.rates.channels)
-    for first in range(0, len(cases), engine.lanes):
-        group = cases.part(slice(first, first + engine.lanes))
-        abreast = LaneRun(
-            engine,
-            solver.fixed_method,
-            plan.start,
-            plan.interval,
-            per_interval,
-            np.array([*plan.channels, *further], dtype=np.intc),
-            engine.prepare(engine.spread(group.parameters)),
-            engine.spread(group.states),
-            engine.spread(group.unknowns),
-            WEAK_PIVOT if alone.has_loops else 0.0,
-        )
-        room = samples[first : first + engine.lanes]
+    for first in range(0, len(cases), batch.lanes):
+        group = cases.part(slice(first, first + batch.lanes))
+        make = partial(_lane_run, batch, alone, group, further)
+        run, room = make(per_interval), samples[first : first + batch.lanes]
         if further:
-            room = np.full((*room.shape[:2], len(abreast.channels)), np.nan)
-        grid = Grid(
-            solver.fixed_method, plan.start, plan.interval, per_interval, plan.n_samples - 1
-        )
+            room = np.full((*room.shape[:2], len(run.channels)), np.nan)
         watch = lane_watch(batch.kernel, grid, alone.judged(first), plan.channels)
-        for part in march(abreast, room, watch):
+        for part in march(run, room, watch):
             yield part * len(group)
         if further:
-            samples[first : first + engine.lanes] = room[:, :, : len(plan.channels)]
-        ends = []
-        for lane in range(len(group)):
-            stopped, accuracy = abreast.stopped(lane), None
-            if stopped is None:
-                accuracy = watch.accuracy(lane, room[lane])
-                is_left = accuracy is None or _is_weak(alone, room[lane])
-            else:
-                is_left = alone.is_watched or stopped.status is Status.EVENT
-            if is_left:
+            samples[first : first + batch.lanes] = room[:, :, : len(plan.channels)]
+        ends = _ends(batch, alone, run, room)
+        judging = watch, lambda lane, first=first: alone.judged(first + lane), alone.plan
+        _judge(ends, room, judging, partial(make, 2 * per_interval))
+        for lane, end in enumerate(ends):
+            if end is None or (end.accuracy is None and not end.failed):
                 samples[first + lane] = np.nan
-                ends.append(alone.run(cases, first + lane, samples[first + lane]))
-            else:
-                ends.append(_end_of(batch.kernel, stopped, plan, accuracy))
-        yield tuple(ends)
+                ends[lane] = alone.run(cases, first + lane, samples[first + lane])
+        yield tuple(end for end in ends if end is not None)
         yield 0.0
+
+
+def _lane_run(
+    batch: Batch, alone: SingleCase, group: Cases, further: list[int], per_interval: int
+) -> LaneRun:
+    """Return cases side by side that have not begun."""
+    engine: Any = batch.engine
+    solver: Any = alone.solver
+    given = (
+        engine,
+        alone.plan.start,
+        alone.plan.interval,
+        per_interval,
+        np.array([*alone.plan.channels, *further], dtype=np.intc),
+        engine.prepare(engine.spread(group.parameters)),
+        engine.spread(group.states),
+        engine.spread(group.unknowns),
+        WEAK_PIVOT if alone.has_loops else 0.0,
+    )
+    if hasattr(solver, "fixed_method"):
+        return FixedLaneRun(*given, method=solver.fixed_method)
+    return NewmarkLaneRun(*given, method=LaneMethod(batch.kernel, solver.weights))
+
+
+def _ends(batch: Batch, alone: SingleCase, run: LaneRun, room: Samples) -> list[CaseEnd | None]:
+    """Return how the lanes ended, None for those that are to be run by themselves."""
+    is_left = alone.is_watched or not hasattr(alone.solver, "fixed_method")
+    ends: list[CaseEnd | None] = []
+    for lane in range(len(room)):
+        stopped = run.stopped(lane)
+        if stopped is None:
+            ends.append(None if _is_weak(alone, room[lane]) else _whole(alone.plan))
+        else:
+            is_open = is_left or stopped.status is Status.EVENT
+            ends.append(None if is_open else _failed(batch.kernel, stopped, alone.plan))
+    return ends
+
+
+def _judge(
+    ends: list[CaseEnd | None],
+    room: Samples,
+    judging: tuple[LaneWatch, Judging, Plan],
+    finer: Callable[[], LaneRun],
+) -> None:
+    """Say how accurate the lanes are that came to their end, as far as lanes can tell.
+
+    Where windows do not suffice for several of them, all are run again with half the step.
+    """
+    watch, judged, plan = judging
+    width = len(plan.channels)
+    is_open = []
+    for lane, end in enumerate(ends):
+        if end is not None and not end.failed:
+            found = watch.accuracy(lane, room[lane, :, :width])
+            ends[lane] = replace(end, accuracy=found)
+            is_open += [lane] if found is None else []
+    numbers = max(room.size, 2 * len(plan.times) * len(watch.kernel.equations.channels))
+    if len(is_open) < 2 or not watch.may_look_again or numbers > _MOST_NUMBERS:
+        return
+    run, half = finer(), np.full(room.shape, np.nan)
+    for _ in march(run, half):
+        pass
+    for lane in is_open:
+        if run.stopped(lane) is None:
+            parts = (part[lane, :, :width] for part in (room, half))
+            found = watch.second_look(lane, judged(lane), plan.times, *parts)
+            ends[lane] = replace(_whole(plan), accuracy=found)
 
 
 def _is_weak(alone: SingleCase, samples: Samples) -> bool:
@@ -295,11 +360,11 @@ def _by_channels(batch: Batch, plan: Plan) -> Judging:
     return lambda _: judged
 
 
-def _end_of(
-    kernel: Kernel, stopped: Stopped | None, plan: Plan, accuracy: Accuracy | None
-) -> CaseEnd:
-    if stopped is None:
-        return CaseEnd(float(plan.times[-1]), plan.n_samples, accuracy=accuracy)
+def _whole(plan: Plan) -> CaseEnd:
+    return CaseEnd(float(plan.times[-1]), plan.n_samples)
+
+
+def _failed(kernel: Kernel, stopped: Stopped, plan: Plan) -> CaseEnd:
     last = float(plan.times[max(0, stopped.samples - 1)])
     message = kernel.failure(stopped.status, stopped.time, stopped.ledger)
     return CaseEnd(last, stopped.samples, message)

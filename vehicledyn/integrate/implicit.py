@@ -62,11 +62,6 @@ def implicit_equations(kernel: Kernel, progress: Progress) -> ImplicitEquations:
     return found
 
 
-def is_compiled_already(kernel: Kernel) -> bool:
-    """Return whether the code of :func:`implicit_equations` is in the cache."""
-    return bool(kernel.key) and cache.known(_key(kernel)) is not None
-
-
 def _key(kernel: Kernel) -> str:
     return cache.key_of(kernel.key, "implicit", f"{suitable_lanes()} lanes")
 

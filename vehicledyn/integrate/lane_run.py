@@ -1,8 +1,10 @@
-"""Cases that run side by side with fixed steps, from their start to their end."""
+"""Cases that run side by side with steps of one size, from their start to their end."""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,8 +24,8 @@ class Stopped:
 
 
 @dataclass
-class LaneRun:
-    """Cases that run side by side with fixed steps, changed in place as they advance.
+class LaneRun(ABC):
+    """Cases that run side by side with steps of one size, changed in place as they advance.
 
     ``state`` and ``unknowns`` are in lanes; ``good`` counts the good steps of each lane. A lane
     stops where the determinant of a block falls below the part ``weak`` of the largest so far, or
@@ -31,7 +33,6 @@ class LaneRun:
     """
 
     engine: LaneEngine
-    method: int
     start: float
     interval: float
     per_interval: int
@@ -44,7 +45,6 @@ class LaneRun:
 
     def __post_init__(self) -> None:
         """Begin with nothing known."""
-        self.memory = self.engine.room(1 + 2 * max(1, self.unknowns.shape[0]))
         self.watched = self.engine.room(self.engine.n_watched)
         self.fate = Fate.unknown(self.engine.lanes)
         self.good = np.zeros(self.engine.lanes, dtype=np.int64)
@@ -63,11 +63,50 @@ class LaneRun:
         self._begun = self.fate.status == Status.SOLVED
         return going
 
+    @abstractmethod
     def advance(self, n_steps: int, samples: Vector) -> bool:
         """Take steps and write a sample of each lane after each whole interval.
 
         Return whether any lane goes on.
         """
+
+    @abstractmethod
+    def window(
+        self, start: float, interval: float, per_interval: int, channels: NDArray[np.intc]
+    ) -> Self:
+        """Return a run that begins anew from the points that this one has reached."""
+
+    def stopped(self, lane: int) -> Stopped | None:
+        """Return why a lane stopped, None if it did not."""
+        status, good = Status(self.fate.status[lane]), int(self.good[lane])
+        if status is Status.SOLVED:
+            return None
+        missed = status is Status.INACCURATE or not self._begun[lane]
+        whole, rest = divmod(good, self.per_interval)
+        ledger = Ledger()
+        ledger.counts[Count.WHERE] = self.fate.where[lane]
+        ledger.figures[Figure.FAILED_RESIDUAL] = self.fate.residual[lane]
+        moment = self.start + self.interval * (whole + rest / self.per_interval)
+        return Stopped(status, moment, whole + (0 if missed else 1), ledger)
+
+    def _room(self, samples: Vector) -> list[int]:
+        stride = samples.shape[1] * samples.shape[2]
+        return [len(self.channels), self.channels.ctypes.data, samples.ctypes.data, stride]
+
+
+@dataclass
+class FixedLaneRun(LaneRun):
+    """Cases whose steps the kernel itself takes, by a method of this number."""
+
+    method: int = 0
+
+    def __post_init__(self) -> None:
+        """Begin with nothing known of steps before."""
+        super().__post_init__()
+        self.memory = self.engine.room(1 + 2 * max(1, self.unknowns.shape[0]))
+
+    def advance(self, n_steps: int, samples: Vector) -> bool:
+        """Take steps and write samples, see :meth:`LaneRun.advance`."""
         arrays = (self.constants, self.state, self.unknowns, self.memory)
         going = self.engine.advance(
             int(self.method),
@@ -86,19 +125,12 @@ class LaneRun:
         self.step += n_steps
         return going
 
-    def stopped(self, lane: int) -> Stopped | None:
-        """Return why a lane stopped, None if it did not."""
-        status, good = Status(self.fate.status[lane]), int(self.good[lane])
-        if status is Status.SOLVED:
-            return None
-        missed = status is Status.INACCURATE or not self._begun[lane]
-        whole, rest = divmod(good, self.per_interval)
-        ledger = Ledger()
-        ledger.counts[Count.WHERE] = self.fate.where[lane]
-        ledger.figures[Figure.FAILED_RESIDUAL] = self.fate.residual[lane]
-        moment = self.start + self.interval * (whole + rest / self.per_interval)
-        return Stopped(status, moment, whole + (0 if missed else 1), ledger)
-
-    def _room(self, samples: Vector) -> list[int]:
-        stride = samples.shape[1] * samples.shape[2]
-        return [len(self.channels), self.channels.ctypes.data, samples.ctypes.data, stride]
+    def window(
+        self, start: float, interval: float, per_interval: int, channels: NDArray[np.intc]
+    ) -> FixedLaneRun:
+        """Return a run that begins anew here, see :meth:`LaneRun.window`."""
+        times = start, interval, per_interval
+        points = self.engine.copied(self.state), self.engine.copied(self.unknowns)
+        return FixedLaneRun(
+            self.engine, *times, channels, self.constants, *points, method=self.method
+        )

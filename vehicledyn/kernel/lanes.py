@@ -27,6 +27,8 @@ _SIGNATURES: dict[str, tuple[Any, Sequence[Any]]] = {
     "vd_prepare_lanes": (None, [_P, _P]),
     "vd_rates_lanes": (_I, [_D, *[_P] * 7]),
     "vd_begin_lanes": (_I, [_D, _P, _P, _P, _I, _P, _P, _L, _P, _P, _P, _P]),
+    "vd_evaluate_lanes": (_I, [_D, *[_P] * 7]),
+    "vd_follow_lanes": (_I, [_D, _I, _D, _P, _P, _P, _D, _I, _P, _P, _L, *[_P] * 5]),
     "vd_advance_lanes": (
         _I,
         [_I, _L, _L, _L, _D, _D, *[_P] * 4, _I, _P, _P, _L, _D, *[_P] * 5],
@@ -89,6 +91,16 @@ class LaneEngine:
         raw = np.zeros(size + _ALIGNMENT // 8)
         first = -(raw.ctypes.data // 8) % (_ALIGNMENT // 8)
         return raw[first : first + size].reshape(max(1, count), self.lanes)
+
+    def copied(self, values: Vector) -> Vector:
+        """Return a copy of numbers in lanes."""
+        room = self.room(len(values))
+        room[:] = values
+        return room
+
+    def address(self, name: str) -> int:
+        """Return the address of an exported function, such as "vd_follow_lanes"."""
+        return int(ctypes.cast(getattr(self._library, name), _P).value or 0)
 
     def spread(self, rows: Vector) -> Vector:
         """Return cases (at most ``lanes``, n) in lanes; the last one fills those left over."""

@@ -1,7 +1,7 @@
 """The compiled loop over implicit steps does, statement by statement, what the other one does.
 
-Both run on the functions of one compiled kernel; the interpreted loop factorises by LAPACK, whose
-sums may round otherwise.
+Both run on the functions of one compiled kernel; the interpreted loop has exact Jacobians, those of
+the compiled one are differences, so each iteration leaves something else of what it may leave.
 """
 
 import math
@@ -17,6 +17,7 @@ from vehicledyn.base.errors import NumericalError
 from vehicledyn.base.registry import find
 from vehicledyn.integrate.newmark import family
 from vehicledyn.integrate.newmark.constrained_steps import ConstrainedSteps
+from vehicledyn.integrate.newmark.reduced_steps import ReducedForm
 from vehicledyn.integrate.newmark.weights import Weights
 from vehicledyn.integrate.simulate import make_task, simulate
 from vehicledyn.kernel.make_kernel import compile_kernel
@@ -52,7 +53,7 @@ def run(kernel, weights, *, tolerance=None, interval=0.1, stop=3.0):
     return samples, family.run_newmark(task, "", weights, 0.05, tolerance=tolerance)
 
 
-def assert_same(one, other, precision=1e-12):
+def assert_same(one, other, precision=1e-10):
     for name in ("times", "states", "unknowns", "outputs"):
         assert getattr(one[0], name) == pytest.approx(getattr(other[0], name), abs=precision), name
     for name in COUNTS:
@@ -97,7 +98,37 @@ def turning_around(n=7):
 def test_factors_with_pivots(interpreted):
     kernel = compile_kernel(turning_around(), backend="compiled")
     ways = [call(lambda: run(kernel, WEIGHTS[2], stop=0.5)) for call in (now, interpreted)]
-    assert_same(*ways, precision=1e-11)
+    assert_same(*ways)
+
+
+def test_smooth_steps_take_two_evaluations_from_good_guesses(kernel):
+    """The error left by Newton's method need not be smaller than a part of the step's own."""
+    state, unknowns = starts(kernel.equations)
+    given = {"state": state, "unknowns": unknowns, "sink": Samples(), "interval": 0.1}
+    span, took = {"start": 0.0, "stop": 1.0}, []
+    for step in (1e-2, 1e-3):
+        solver = find("solver", "generalised_alpha")(step=step)
+        took.append(simulate(kernel, solver, watched=False, **given, **span))
+    assert took[0].evaluations < 2.5 * took[0].steps
+    assert took[1].newton_iterations < 1.6 * took[1].evaluations
+
+
+def test_python_is_asked_for_derivatives_where_differences_are_no_numbers(interpreted, monkeypatch):
+    """Just beside the first place the rate has no real value; its derivative there has one."""
+    t, x, v = symbols("t", "x", "v")
+    rates, more = [v, 1e-3 * ca.log(1.0 + 1e-8 - x) - x], {"positions": (0,), "velocities": (1,)}
+    equations = build(
+        "edge", time=t, states=[(x, 1.0), (v, -1.0)], rates=rates, parameters=[],
+        outputs=[("x", x)], **more,
+    )  # fmt: skip
+    kernel, called = compile_kernel(equations, backend="compiled"), []
+    exact = ReducedForm.jacobian
+    monkeypatch.setattr(
+        ReducedForm, "jacobian", lambda form, at: called.append(at.time) or exact(form, at)
+    )
+    one = run(kernel, WEIGHTS[2], stop=0.5)
+    assert set(called) == {0.0}
+    assert_same(one, interpreted(lambda: run(kernel, WEIGHTS[2], stop=0.5)))
 
 
 def test_chunks_and_little_room_change_nothing(kernel, monkeypatch):

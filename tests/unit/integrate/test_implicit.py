@@ -14,9 +14,8 @@ from vehicledyn.base.registry import find
 from vehicledyn.codegen.printers import kernel_source as source
 from vehicledyn.codegen.printers.implicit_source import colours_of
 from vehicledyn.codegen.toolchain.compiler import CompilationError, find_compiler
-from vehicledyn.integrate import implicit, rate_slopes
+from vehicledyn.integrate import implicit
 from vehicledyn.integrate.implicit import implicit_equations
-from vehicledyn.integrate.rate_slopes import RateSlopes
 from vehicledyn.integrate.simulate import simulate
 from vehicledyn.kernel.make_kernel import compile_kernel
 
@@ -84,48 +83,6 @@ def test_values_and_slopes_are_those_of_casadi(needs_compiler, name):
         for here, right in zip(found, wanted, strict=True):
             scale = np.abs(right).max(initial=1.0)
             assert here.full() == pytest.approx(right, rel=1e-11, abs=1e-12 * scale)
-
-
-@pytest.mark.parametrize("name", ["slider_crank", "tables", "chain"])
-def test_rates_by_states_along_closed_loops(needs_compiler, name):
-    """Newmark's methods take them interpreted at first, and compiled where many are wanted."""
-    kernel = compile_kernel(example(name), backend="compiled")
-    slopes = RateSlopes(kernel, lambda *_: None)
-    rng, (state, unknowns) = np.random.default_rng(4), starts(kernel.equations)
-    slopes.left = 1e9
-    points, wanted = [], []
-    for factor in (1.0, 1.1):
-        state = state + 0.05 * rng.normal(size=len(state))
-        unknowns = kernel.solve_unknowns(0.2, state, unknowns)
-        points.append((0.2, state, unknowns, factor * kernel.parameters))
-        wanted.append(slopes(*points[-1]))
-    assert slopes.compiled is None
-    slopes.left = 0.0
-    for point, right in zip(points, wanted, strict=True):
-        scale = np.abs(right).max(initial=1.0)
-        assert slopes(*point) == pytest.approx(right, rel=1e-10, abs=1e-12 * scale)
-    assert slopes.compiled is not None
-
-
-@pytest.mark.parametrize("name", ["slider_crank", "tables", "chain"])
-def test_rates_of_large_models_by_differences(needs_compiler, monkeypatch, name):
-    """Loops are closed at each end; the parameters are those of the run."""
-    kernel = compile_kernel(example(name), backend="compiled")
-    monkeypatch.setattr(rate_slopes, "is_compiled_already", lambda _: False)
-    state, unknowns = starts(kernel.equations)
-    state = np.asarray(state) + 0.05 * np.random.default_rng(4).normal(size=len(state))
-    found = []
-    for largest in (0, 10**9):
-        monkeypatch.setattr(rate_slopes, "_LARGE", largest)
-        slopes = RateSlopes(kernel, lambda *_: None)
-        for factor in (1.0, 1.1):
-            other = kernel.with_parameters(factor * kernel.parameters)
-            z = other.solve_unknowns(0.2, state, unknowns)
-            found.append(slopes(0.2, state, z, other.parameters))
-        assert slopes.compiled is None
-    for here, right in zip(found[:2], found[2:], strict=True):
-        assert here == pytest.approx(right, rel=1e-5, abs=1e-6 * np.abs(right).max(initial=1.0))
-        assert not np.array_equal(here, right)
 
 
 def test_colours_of_a_chain_do_not_grow_with_it(needs_compiler):

@@ -153,6 +153,40 @@ VD_EXPORT int vd_begin_lanes(double t, const real *x, real *z, const real *c, in
   return hand_out(&course, status, where, residual);
 }
 
+/* Solve the blocks of the lanes that go on, from a guess in z, and find the rates. */
+VD_EXPORT int vd_evaluate_lanes(double t, const real *x, real *z, const real *c, real *rate,
+                                int *status, int *where, double *residual) {
+  struct course course;
+  const real now = vd_all(t);
+  resume(&course, status, where, residual);
+  solve_blocks(now, x, z, c, &course);
+  rates(&now, x, z, c, rate);
+  return hand_out(&course, status, where, residual);
+}
+
+/* Watch the events at the end of a step that was taken elsewhere, count it where it is good, and
+   write a sample if it ends an interval, with unknowns that are solved once more. */
+VD_EXPORT int vd_follow_lanes(double end, int is_whole, double sampled, const real *x, const real *z,
+                              const real *c, double weak, int n_channels, const int *channels,
+                              double *samples, long long stride, real *watched, long long *good,
+                              int *status, int *where, double *residual) {
+  real y[NY + 1], again[NZ1];
+  struct course course;
+  resume(&course, status, where, residual);
+  if (NE) watch_events(vd_all(end), x, z, c, watched, &course);
+  for (int lane = 0; lane < VD_LANES; lane++) good[lane] += course.status[lane] == SOLVED;
+  if (is_whole && vd_any(course.alive)) {
+    const real now = vd_all(sampled);
+    memcpy(again, z, NZ * sizeof(real));
+    solve_blocks(now, x, again, c, &course);
+    check_residuals(now, x, again, c, &course);
+    if (NB && weak > 0.0) watch_blocks(now, x, again, c, weak, watched, &course);
+    outputs_selected(pieces_of(n_channels, channels), &now, x, again, c, y);
+    take_sample(y, &course, n_channels, channels, samples, stride);
+  }
+  return hand_out(&course, status, where, residual);
+}
+
 /* Take n_steps steps; after each whole interval check the loops and write a sample, those of a
    lane ``stride`` apart from the next lane's. Count the good steps of each lane. */
 VD_EXPORT int vd_advance_lanes(int method, long long first_step, long long n_steps,

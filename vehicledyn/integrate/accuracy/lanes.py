@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from vehicledyn.integrate.accuracy.watch import bound_of, most_bound
+from vehicledyn.integrate.accuracy.watch import AccuracyWatch, bound_of, most_bound
+from vehicledyn.integrate.accuracy.watched_run import Way
 from vehicledyn.integrate.accuracy.windows import (
     SPENT,
     STEPS,
     Grid,
+    WindowStart,
+    may_be_repeated,
     total_error,
     two_ends_apart,
     window_count,
@@ -21,7 +25,8 @@ from vehicledyn.integrate.channel_ranges import Ranges
 from vehicledyn.integrate.estimated_accuracy import Accuracy
 from vehicledyn.integrate.judged_quantities import Judged
 from vehicledyn.integrate.lane_run import LaneRun
-from vehicledyn.kernel.engine import Status, Vector
+from vehicledyn.integrate.task import Sink, Statistics
+from vehicledyn.kernel.engine import Method, Status, Vector
 from vehicledyn.kernel.kernel import Kernel
 
 
@@ -29,13 +34,13 @@ from vehicledyn.kernel.kernel import Kernel
 class LaneWatch:
     """Takes the windows of a run in lanes, at the samples where a case by itself has them.
 
-    ``channels`` are those judged; ``columns`` say where they stand among the samples.
+    ``channels`` are those judged of the first case; ``kept`` are those of the samples.
     """
 
     kernel: Kernel
     grid: Grid
     channels: list[int]
-    columns: list[int]
+    kept: list[int]
     differences: list[Vector] = field(default_factory=list)
     ends: list[Vector] = field(default_factory=list)
 
@@ -65,16 +70,11 @@ class LaneWatch:
     def _ends(self, run: LaneRun, divided: int) -> list[Vector | None]:
         """Return the channels of each lane at the end of a window, None behind an event."""
         engine, count = run.engine, STEPS * divided
-        window = LaneRun(
-            engine,
-            run.method,
+        window = run.window(
             self.grid.start + self.grid.interval * (run.step // self.grid.per_interval),
             STEPS * self.grid.step,
             count,
             np.arange(len(self.kernel.equations.channels), dtype=np.intc),
-            run.constants,
-            _copy(engine.room(len(run.state)), run.state),
-            _copy(engine.room(len(run.unknowns)), run.unknowns),
         )
         window.fate.status[:] = Status.SOLVED
         room = np.full((engine.lanes, 1, len(window.channels)), np.nan)
@@ -97,7 +97,8 @@ class LaneWatch:
         if not self.channels:
             return Accuracy("accurate", 0.0, "")
         ranges = Ranges.of(self.kernel.equations, self.channels)
-        ranges.take(np.asarray(samples[:, self.columns], dtype=float))
+        columns = [self.kept.index(k) for k in self.channels]
+        ranges.take(np.asarray(samples[:, columns], dtype=float))
         kinds = ranges.kinds(self.kernel.equations)
         for ends in self.ends:
             ranges.take_likes(kinds, ends[lane])
@@ -112,13 +113,60 @@ class LaneWatch:
         name = self.kernel.equations.channels[self.channels[worst]].name
         return Accuracy("accurate", bound, f"'{name}'", None, SPENT * len(rows))
 
+    @property
+    def may_look_again(self) -> bool:
+        """Whether all lanes may be run again with half the step, to judge them by that."""
+        is_halved = self.grid.method != Method.SYMPLECTIC_EULER
+        return is_halved and may_be_repeated(self.kernel, self.grid)
+
+    def second_look(
+        self, lane: int, judged: Judged, times: Vector, samples: Samples, half: Samples
+    ) -> Accuracy | None:
+        """Return what a case by itself is said to be, None if that takes other runs than these.
+
+        ``samples`` are those of the lane and ``half`` those with half the step, both of the shape
+        (n_samples, n_columns).
+        """
+        if self.channels != judged.channels:
+            return None
+        known, again = (self._outputs(values) for values in (samples, half))
+
+        def rerun(place: WindowStart, _: float, count: int, way: Way, sink: Sink) -> Statistics:
+            parts = round(self.grid.step / way.step)
+            if place.index or parts > 2 or not math.isclose(way.step * parts, self.grid.step):
+                raise _OtherRunError
+            nothing, outputs = np.zeros((count + 1, 0)), known if parts == 1 else again
+            sink(times[: count + 1], nothing, nothing, outputs[: count + 1])
+            steps = parts * count * self.grid.per_interval
+            return Statistics("", "", count + 1, steps, 0, 0, 0.0, 0.0)
+
+        watch = AccuracyWatch(self.kernel.equations, self.grid, judged, rerun)
+        states = np.zeros((len(times), len(self.kernel.equations.states)))
+        watch.take(self.kernel, times, states, np.zeros((len(times), 0)), known)
+        watch.measure_kept()
+        kinds = watch.ranges.kinds(self.kernel.equations)
+        for ends in self.ends:
+            watch.ranges.take_likes(kinds, ends[lane])
+        rows = [row[lane] for row in self.differences]
+        places = [*watch.places, *watch.latest[-1:]][: len(rows)]
+        try:
+            return watch.judge(
+                places, [None if np.isnan(row).all() else row for row in rows], ended_early=False
+            )  # fmt: skip
+        except _OtherRunError:
+            return None
+
+    def _outputs(self, samples: Samples) -> Vector:
+        """Return samples with a column for each channel, not a number where it is not kept."""
+        found = np.full((len(samples), len(self.kernel.equations.channels)), np.nan)
+        found[:, self.kept] = samples
+        return found
+
+
+class _OtherRunError(Exception):
+    """A run is asked for that was not taken in lanes."""
+
 
 def lane_watch(kernel: Kernel, grid: Grid, judged: Judged, columns: list[int]) -> LaneWatch:
     """Return a watch of lanes whose samples hold the channels ``columns``."""
-    channels = [k for k in judged.channels if k in columns]
-    return LaneWatch(kernel, grid, channels, [columns.index(k) for k in channels])
-
-
-def _copy(room: Vector, values: Vector) -> Vector:
-    room[:] = values
-    return room
+    return LaneWatch(kernel, grid, [k for k in judged.channels if k in columns], columns)

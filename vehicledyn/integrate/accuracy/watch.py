@@ -77,7 +77,12 @@ class AccuracyWatch(WatchedRun):
         self.measure_kept()
         ends = self.latest[:-1] if ended_early else self.latest[-1:]
         places = [*self.places, *(p for p in ends if p.index > self.places[-1].index)]
-        rows = [self.window(place) for place in places]
+        return self.judge(places, [self.window(p) for p in places], ended_early=ended_early)
+
+    def judge(
+        self, places: list[WindowStart], rows: list[Vector | None], *, ended_early: bool
+    ) -> Accuracy:
+        """Return the same from windows at some places, see :meth:`window`; None does not count."""
         found = [(p, row) for p, row in zip(places, rows, strict=True) if row is not None]
         n_channels = len(self.names)
         with np.errstate(all="ignore"):

@@ -23,7 +23,7 @@ from vehicledyn.integrate.newmark.residual_functions import Instant
 from vehicledyn.integrate.newmark.weights import Constraints, Weights
 from vehicledyn.integrate.task import Task
 from vehicledyn.kernel.compiled import CompiledEngine
-from vehicledyn.kernel.newmark_code import FRESH_JACOBIAN, NewmarkCode, PlaceRecord
+from vehicledyn.kernel.newmark.newmark_code import FRESH_JACOBIAN, NewmarkCode, PlaceRecord
 from vehicledyn.kernel.point_source import Wanted, compiled
 
 
@@ -71,7 +71,7 @@ class CompiledConstrainedSteps(CompiledLoop[ConstrainedPlace]):
 
     def start(self, point: Point) -> ConstrainedPlace:
         """Return the place from which the motion starts, or starts anew."""
-        self.record.is_stale = 1
+        self.record.matrix[0].is_stale = 1
         return self._steps.start(point)
 
     def error(self, before: ConstrainedPlace, after: ConstrainedPlace) -> float:
@@ -81,7 +81,7 @@ class CompiledConstrainedSteps(CompiledLoop[ConstrainedPlace]):
     def go_to(self, place: ConstrainedPlace) -> None:
         """Let the run go on from a place."""
         at, arrays, m = self.record.at, self._arrays, self._functions.sizes[2]
-        at.time, at.size = place.point.time, place.size
+        at.time, at.size[0] = place.point.time, place.size
         arrays["at.x"][:], arrays["at.z"][:] = place.point.state, place.point.unknowns
         arrays["at.rates"][:] = np.concatenate([place.instant.acceleration, place.other_rate])
         arrays["at.auxiliary"][:] = np.concatenate(place.auxiliary)
@@ -93,13 +93,13 @@ class CompiledConstrainedSteps(CompiledLoop[ConstrainedPlace]):
 
     def find_jacobian(self) -> None:
         """Find the factors for the step that is wanted, and a Jacobian where it is stale."""
-        record = self.record
-        is_new = bool(record.is_stale or not record.has_jacobian)
+        record, own = self.record, self.record.matrix[0]
+        is_new = bool(own.is_stale or not own.has_jacobian)
         size = record.wanted - record.at.time
         self._hand_over(self._steps.factors_for(self.place, size, is_new=is_new))
-        record.is_stale, record.factored = 0, size
+        own.is_stale, own.size = 0, size
         if is_new:
-            record.has_jacobian = FRESH_JACOBIAN
+            own.has_jacobian = FRESH_JACOBIAN
 
     def _hand_over(self, found: StepFactors) -> None:
         """Give sparse factors to the compiled code, the diagonal first in L and last in U."""
@@ -145,8 +145,8 @@ class CompiledConstrainedSteps(CompiledLoop[ConstrainedPlace]):
             (auxiliary[:n], auxiliary[n:]),
             rates[n:],
             forces[m:] if self._is_stabilised else forces[:0],
-            at.size,
-            change[:n] if at.size else None,
+            at.size[0],
+            change[:n] if at.size[0] else None,
         )
 
 

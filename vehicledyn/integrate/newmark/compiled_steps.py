@@ -10,12 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.integrate.events import Point
+from vehicledyn.integrate.newmark.matrix_pattern import matrix_pattern
+from vehicledyn.integrate.newmark.matrix_room import enter_pattern, matrix_room
 from vehicledyn.integrate.newmark.reduced_steps import ReducedForm, ReducedPlace
 from vehicledyn.integrate.newmark.weights import Weights
 from vehicledyn.integrate.task import Task
 from vehicledyn.kernel.compiled import CompiledEngine
 from vehicledyn.kernel.engine import Count, Figure, Ledger, Rows
-from vehicledyn.kernel.newmark_code import (
+from vehicledyn.kernel.newmark.newmark_code import (
     FRESH_JACOBIAN,
     NO_JACOBIAN,
     NewmarkCode,
@@ -132,8 +134,9 @@ class CompiledLoop(ABC, Generic[P]):
         task, layout, w = self.task, self._layout, self._weights
         kernel, record = task.kernel, RunRecord()
         e, n = kernel.equations, len(layout.rows)
-        for name in ("solve", "rates", "outputs", "events", "survey"):
+        for name in ("solve", "outputs", "events", "survey"):
             setattr(record, name, engine.address(f"vd_{name}"))
+        record.rates_at = engine.address("vd_rates")
         n_states, n_blocks = len(e.states), len(e.blocks)
         room = max(layout.work, len(e.events), 2 * n_blocks, 1)
         directions = [event.direction for event in e.events]
@@ -153,8 +156,9 @@ class CompiledLoop(ABC, Generic[P]):
             counts=self.ledger.counts,
         )
         sizes = {"x": n_states, "z": len(e.unknowns), "rates": layout.rates, "auxiliary": n}
+        sizes |= {"change": n, "drift": len(e.unknowns), "forces": layout.forces}
         for name, place in (("at", record.at), ("found", record.found)):
-            for part, size in {**sizes, "change": n, "forces": layout.forces}.items():
+            for part, size in sizes.items():
                 array = self._arrays[f"{name}.{part}"] = np.zeros(max(1, size))[:size]
                 setattr(place, part, array.ctypes.data)
         record.n_states, record.n_unknowns, record.n_outputs = (
@@ -163,9 +167,9 @@ class CompiledLoop(ABC, Generic[P]):
         record.n_blocks, record.n_events = n_blocks, len(e.events)
         record.n_rows, record.n_pairs = n, len(layout.pairs)
         record.n_rates, record.n_watched = layout.rates, layout.watched
-        record.is_stale, record.has_jacobian = 1, NO_JACOBIAN
+        record.matrix[0].is_stale, record.matrix[0].has_jacobian = 1, NO_JACOBIAN
         record.alpha_m, record.alpha_f, record.beta = w.alpha_m, w.alpha_f, w.beta
-        record.second_order_gamma = w.gamma
+        record.second_order_gamma, record.first_order_gamma = w.gamma, w.first_order_gamma
         record.start, record.interval = task.start, task.interval
         record.least, record.most = np.inf, 0.0
         return record
@@ -178,39 +182,35 @@ class CompiledLoop(ABC, Generic[P]):
 
 
 class CompiledSteps(CompiledLoop[ReducedPlace]):
-    """Takes steps on rates as ``ReducedSteps`` does, many of them in one call."""
+    """Takes steps on rates as ``ReducedSteps`` does, many of them in one call.
+
+    The compiled code finds the Jacobian itself, by differences of the rates; where these are no
+    finite numbers it asks for exact derivatives.
+    """
 
     def __init__(
         self, task: Task, engine: CompiledEngine, weights: Weights, code: NewmarkCode
     ) -> None:
         """Lay out a run of the task, whose kernel has this engine."""
-        self._form = form = ReducedForm(task, weights)
+        self._form = form = ReducedForm(task.kernel, weights)
         super().__init__(task, engine, weights, code)
-        n, n_states = len(form.rows), len(task.kernel.equations.states)
-        self._hold(
-            self.record,
-            new_mass=form.new_mass,
-            gamma=form.gamma,
-            pivots=np.zeros(n, dtype=np.intc),
-            jacobian=np.zeros((n, n_states)),
-            matrix=np.zeros((n, n)),
-        )
+        pattern = self._pattern = matrix_pattern(task.kernel)
+        self._hold(self.record, new_mass=form.new_mass, gamma=form.gamma)
+        self._hold(self.record, **matrix_room(pattern, np.zeros))
+        enter_pattern(self.record, pattern)
 
     @property
     def _layout(self) -> StateLayout:
         form, n = self._form, len(self._form.rows)
-        n_states = len(self.task.kernel.equations.states)
+        e = self.task.kernel.equations
         places = form.rows, form.positions, form.velocities, form.pairs
-        return StateLayout(*places, n, n_states, 0, 3 * n + 2 * n_states)
+        work = 5 * n + 3 * len(e.states) + 2 * len(e.unknowns)
+        return StateLayout(*places, n, len(e.states), 0, work)
 
     def start(self, point: Point) -> ReducedPlace:
         """Return the place from which the motion starts, or starts anew."""
-        unknowns = point.unknowns.copy()
-        kernel = self.task.kernel
-        rates = kernel.evaluate(point.time, point.state, unknowns, self.task.ledger)
-        self.record.is_stale = 1
-        at = Point(point.time, point.state, unknowns)
-        return ReducedPlace(at, rates, rates[self._form.rows], 0.0)
+        self.record.matrix[0].is_stale = 1
+        return self._form.start(point, self.task.ledger)
 
     def error(self, before: ReducedPlace, after: ReducedPlace) -> float:
         """Return the largest local error of a step about; the compiled loop finds its own."""
@@ -219,21 +219,23 @@ class CompiledSteps(CompiledLoop[ReducedPlace]):
     def go_to(self, place: ReducedPlace) -> None:
         """Let the run go on from a place."""
         at, arrays = self.record.at, self._arrays
-        at.time, at.size = place.point.time, place.size
+        at.time, at.size[0] = place.point.time, place.size
         arrays["at.x"][:], arrays["at.z"][:] = place.point.state, place.point.unknowns
         arrays["at.rates"][:], arrays["at.auxiliary"][:] = place.rates, place.auxiliary
         arrays["at.change"][:] = 0.0 if place.change is None else place.change
+        arrays["at.drift"][:] = 0.0 if place.drift is None else place.drift
 
     def find_jacobian(self) -> None:
-        """Find the Jacobian at the place that the run has reached."""
-        record = self.record
-        self._arrays["jacobian"][:] = self._form.jacobian(self.place.point)
-        record.is_stale, record.has_jacobian, record.factored = 0, FRESH_JACOBIAN, 0.0
+        """Find exact derivatives at the place that the run has reached."""
+        pattern, own = self._pattern, self.record.matrix[0]
+        found = self._form.jacobian(self.place.point)
+        self._arrays["jacobian"][0] = found[pattern.rows, pattern.columns]
+        own.is_stale, own.has_jacobian, own.size = 0, FRESH_JACOBIAN, 0.0
 
     def _place(self, name: str, at: PlaceRecord) -> ReducedPlace:
-        x, z, rates, auxiliary, change = (
+        x, z, rates, auxiliary, change, drift = (
             self._arrays[f"{name}.{part}"].copy()
-            for part in ("x", "z", "rates", "auxiliary", "change")
+            for part in ("x", "z", "rates", "auxiliary", "change", "drift")
         )
-        point = Point(at.time, x, z)
-        return ReducedPlace(point, rates, auxiliary, at.size, change if at.size else None)
+        known = (change, drift) if at.size[0] else (None, None)
+        return ReducedPlace(Point(at.time, x, z), rates, auxiliary, at.size[0], *known)

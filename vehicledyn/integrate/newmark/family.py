@@ -24,18 +24,16 @@ from vehicledyn.integrate.newmark.compiled_constrained import CompiledConstraine
 from vehicledyn.integrate.newmark.compiled_steps import CompiledLoop, CompiledSteps
 from vehicledyn.integrate.newmark.constrained_steps import ConstrainedSteps
 from vehicledyn.integrate.newmark.reduced_steps import ReducedSteps
-from vehicledyn.integrate.newmark.weights import Constraints, Weights
+from vehicledyn.integrate.newmark.weights import SHORTEST, Constraints, Weights
 from vehicledyn.integrate.task import SampleBuffer, Statistics, StepError, Task
 from vehicledyn.kernel.compiled import CompiledEngine
 from vehicledyn.kernel.engine import Count, Status
-from vehicledyn.kernel.newmark_code import Outcome, newmark_code
+from vehicledyn.kernel.newmark.newmark_code import Outcome, newmark_code
 
 _log = logging.getLogger(__name__)
 
 _CHUNK_SECONDS, _FIRST_CHUNK, _GROWTH = 0.08, 16, 8
 
-_SHORTEST = 1e-4
-"""Part of the step below which halving gives up where Newton's method asks for it."""
 _TINY = 1e-9
 """Part of the longest step below which halving gives up where the error asks for it."""
 _FIRST_HALVINGS = 6
@@ -126,7 +124,7 @@ def _run_compiled(
     record.per_interval = steps_per_interval(step, task.interval)
     record.last = task.n_intervals * record.per_interval
     record.tolerance = tolerance or 0.0
-    record.shortest = _SHORTEST if tolerance is None else _TINY
+    record.shortest = SHORTEST if tolerance is None else _TINY
     record.halvings = 0 if tolerance is None else _FIRST_HALVINGS
     SampleBuffer(task, task.state, task.unknowns).flush()
     steps.go_to(steps.start(Point(task.begin, task.state, task.unknowns)))
@@ -235,7 +233,7 @@ class _March(Generic[P]):
 
     def _halve(self, place: P, size: float, whole: float, found: P | None) -> None:
         self._halvings = max(self._halvings, round(math.log2(whole / size))) + 1
-        if 0.5**self._halvings < (_SHORTEST if self._tolerance is None else _TINY):
+        if 0.5**self._halvings < (SHORTEST if self._tolerance is None else _TINY):
             raise _stuck(self.task, place, 0.5 * size, is_inexact=found is not None)
 
     def _error(self, before: P, after: P) -> float:

@@ -19,13 +19,15 @@ import numpy as np
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.integrate.events import Point
 from vehicledyn.integrate.newmark.weights import Weights
-from vehicledyn.integrate.rate_slopes import slopes_of_rates
 from vehicledyn.integrate.task import Task
-from vehicledyn.kernel.engine import Vector
+from vehicledyn.kernel.derivatives import Derivatives
+from vehicledyn.kernel.engine import Ledger, Vector
+from vehicledyn.kernel.kernel import Kernel
 
 _MOST_ITERATIONS = 20
-_CLOSE = 1e-12
-"""Error of Newton's iteration allowed in each state, for one plus its size."""
+_CLOSE, _COARSEST, _SHARE = 1e-12, 1e-6, 1e-2
+"""Error of Newton's iteration allowed in each state, for one plus its size: this part of the local
+error of the step, within bounds."""
 _SLOW = 0.3
 """Contraction above which the Jacobian is found anew at the next step."""
 _ROUNDING = 1e-10
@@ -36,7 +38,8 @@ _ROUNDING = 1e-10
 class ReducedPlace:
     """A point with its rates and the auxiliary rates that a step of size ``size`` [s] left.
 
-    ``change`` is what the step added to the auxiliary rates, None where the motion starts.
+    ``change`` and ``drift`` are what the step added to the auxiliary rates and to the unknowns,
+    None where the motion starts.
     """
 
     point: Point
@@ -44,6 +47,7 @@ class ReducedPlace:
     auxiliary: Vector
     size: float
     change: Vector | None = None
+    drift: Vector | None = None
 
 
 class ReducedForm:
@@ -53,11 +57,10 @@ class ReducedForm:
     ``new_mass`` and ``gamma`` are the weights of each row.
     """
 
-    def __init__(self, task: Task, weights: Weights) -> None:
-        """Derive the Jacobian, or take that which was derived for these equations before."""
-        self._task, self._weights = task, weights
-        equations = task.kernel.equations
-        self._slopes = slopes_of_rates(task.kernel, task.progress)
+    def __init__(self, kernel: Kernel, weights: Weights) -> None:
+        """Find the places and weights."""
+        self._kernel, self._weights = kernel, weights
+        equations = kernel.equations
         self.positions, self.velocities = list(equations.positions), list(equations.velocities)
         is_position = np.isin(np.arange(len(equations.states)), self.positions)
         self.rows = np.flatnonzero(~is_position)
@@ -67,10 +70,21 @@ class ReducedForm:
         self.gamma = np.where(second, w.gamma, w.first_order_gamma)
         self.pairs = np.searchsorted(self.rows, self.velocities)
 
+    def start(self, point: Point, ledger: Ledger) -> ReducedPlace:
+        """Return the place from which the motion starts, or starts anew."""
+        unknowns = point.unknowns.copy()
+        rates = self._kernel.evaluate(point.time, point.state, unknowns, ledger)
+        return ReducedPlace(Point(point.time, point.state, unknowns), rates, rates[self.rows], 0.0)
+
     def jacobian(self, point: Point) -> Vector:
         """Return the derivatives of the rates of the rows by all states, along closed loops."""
-        found: Vector = self._slopes(*point, self._task.kernel.parameters)[self.rows]
-        return found
+        kernel = self._kernel
+        if "total derivatives" not in kernel.made:
+            kernel.made["total derivatives"] = Derivatives(
+                kernel.equations, outputs=False, often=not kernel.key
+            )
+        derivatives: Derivatives = kernel.made["total derivatives"]
+        return derivatives.total(*point, kernel.parameters).rates[self.rows]
 
     def error(self, before: ReducedPlace, after: ReducedPlace) -> float:
         """Return the largest local error of a step about, for one plus the size of each state."""
@@ -89,13 +103,14 @@ class ReducedForm:
 class ReducedSteps:
     """Takes steps of any size, keeping Jacobian and factors while Newton's method converges.
 
-    newmark.c holds the same algorithm; change both together.
+    kernel/newmark/step.c holds the same algorithm; change both together. The Jacobian here is
+    exact, that of the compiled code consists of differences.
     """
 
     def __init__(self, task: Task, weights: Weights) -> None:
         """Begin without a Jacobian."""
         self._task, self._weights = task, weights
-        form = self._form = ReducedForm(task, weights)
+        form = self._form = ReducedForm(task.kernel, weights)
         self._positions, self._velocities = form.positions, form.velocities
         self._rows, self._pairs = form.rows, form.pairs
         self._new_mass, self._gamma = form.new_mass, form.gamma
@@ -106,11 +121,8 @@ class ReducedSteps:
 
     def start(self, point: Point) -> ReducedPlace:
         """Return the place from which the motion starts, or starts anew."""
-        unknowns = point.unknowns.copy()
-        kernel = self._task.kernel
-        rates = kernel.evaluate(point.time, point.state, unknowns, self._task.ledger)
         self._is_stale = True
-        return ReducedPlace(Point(point.time, point.state, unknowns), rates, rates[self._rows], 0.0)
+        return self._form.start(point, self._task.ledger)
 
     def step(self, place: ReducedPlace, end: float) -> ReducedPlace | None:
         """Return the end of a step, or None where Newton's method does not converge."""
@@ -131,6 +143,8 @@ class ReducedSteps:
         known = (1.0 - self._new_mass) * old - w.alpha_f * place.rates[rows]
         guess = old if place.change is None else old + ratio * place.change
         new, z, before = guess.copy(), unknowns.copy(), np.inf
+        if place.drift is not None:
+            z += ratio * place.drift
         for iteration in range(_MOST_ITERATIONS):
             x = self._moved(state, h, old, new)
             try:
@@ -146,22 +160,25 @@ class ReducedSteps:
                 return None
             contraction = size / before if iteration else 0.0
             self._is_stale = self._is_stale or (contraction > _SLOW and size > _ROUNDING)
-            if size * contraction / max(1.0 - contraction, 1e-3) < _CLOSE and iteration:
-                return self._accepted(Point(end, x + moved, z), new, known, h, old)
+            reached = self._reached(Point(end, x + moved, z), new, known, old, place)
+            allowed = min(max(_SHARE * self.error(place, reached), _CLOSE), _COARSEST)
+            if size * contraction / max(1.0 - contraction, 1e-3) < allowed and iteration:
+                return reached
             if size == 0.0 or (contraction > 0.5 and size < _ROUNDING):
-                return self._accepted(Point(end, x + moved, z), new, known, h, old)
+                return reached
             if contraction > 0.9:
                 return None
             before = size
         return None
 
-    def _accepted(
-        self, point: Point, new: Vector, known: Vector, h: float, old: Vector
+    def _reached(
+        self, point: Point, new: Vector, known: Vector, old: Vector, before: ReducedPlace
     ) -> ReducedPlace:
         """Return the end of a step, with the rates that it demands there."""
         rates = np.zeros(len(point.state))
         rates[self._rows] = (self._new_mass * new + known) / (1.0 - self._weights.alpha_f)
-        return ReducedPlace(point, rates, new, h, new - old)
+        size, drift = point.time - before.point.time, point.unknowns - before.point.unknowns
+        return ReducedPlace(point, rates, new, size, new - old, drift)
 
     def error(self, before: ReducedPlace, after: ReducedPlace) -> float:
         """Return the largest local error of a step about, see :meth:`ReducedForm.error`."""

@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 Constraints: TypeAlias = Literal["reduced", "index3", "stabilised_index2"]
 """How a step treats constraints; "reduced" solves them within the rates."""
 
+SHORTEST = 1e-4
+"""Part of a step below which halving gives up where Newton's method asks for it."""
+
 
 @dataclass(frozen=True)
 class Weights:

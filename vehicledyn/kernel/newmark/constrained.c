@@ -61,8 +61,8 @@ static void begin_trial(struct run *m, double end, struct trial *s, double *old)
   const struct place *at = &m->at;
   const long long n = m->n_pairs, k = c->n_others;
   const double h = s->h = end - at->time, mass = c->first_order_mass;
-  const double ratio = at->size != 0.0 ? h / at->size : 0.0;
-  const int is_carried = at->size != 0.0 && h != at->size;
+  const double ratio = at->size[0] != 0.0 ? h / at->size[0] : 0.0;
+  const int is_carried = at->size[0] != 0.0 && h != at->size[0];
   for (long long i = 0; i < n + k; i++) {
     const double rate = at->rates[i];
     old[i] = is_carried ? rate + ratio * (at->auxiliary[i] - rate) : at->auxiliary[i];
@@ -102,7 +102,7 @@ static int accept_trial(struct run *m, const struct trial *s, double end, const 
     found->rates[n + i] = (c->first_order_mass * s->r[i] + s->lag[i]) / (1.0 - m->alpha_f);
     found->change[n + i] = 0.0;
   }
-  found->time = end, found->size = s->h;
+  found->time = end, found->size[0] = s->h;
   return TAKEN;
 }
 
@@ -177,7 +177,7 @@ static int iterate_constrained(struct run *m, double end) {
     const double change = fmax(moved, LEVER * forced);
     const int is_rounding = moved < ROUNDING_STATES && forced < COARSE;
     const double contraction = iteration ? change / before : 0.0;
-    if (contraction > SLOW_CONSTRAINED && !is_rounding) m->is_stale = 1;
+    if (contraction > SLOW_CONSTRAINED && !is_rounding) m->matrix->is_stale = 1;
     const double left = contraction / fmax(1.0 - contraction, 1e-3);
     const int settled =
         iteration && moved * left < CLOSE_STATES && forced * left < CLOSE_FORCES;
@@ -194,13 +194,13 @@ static int iterate_constrained(struct run *m, double end) {
 /* Take a step from m->at to m->found; Python finds Jacobian and factors for steps to m->wanted. */
 static int constrained_step(struct run *m, double end) {
   const double h = end - m->at.time;
-  const int fits = m->factored != 0.0 && fabs(h - m->factored) <= 1e-9 * m->factored;
+  const int fits = m->matrix->size != 0.0 && fabs(h - m->matrix->size) <= 1e-9 * m->matrix->size;
   m->wanted = end;
-  if (m->is_stale || !m->has_jacobian || !fits) return NEEDS_JACOBIAN;
-  const int is_new = m->has_jacobian == FRESH;
-  m->has_jacobian = KEPT;
+  if (m->matrix->is_stale || !m->matrix->has_jacobian || !fits) return NEEDS_JACOBIAN;
+  const int is_new = m->matrix->has_jacobian == FRESH;
+  m->matrix->has_jacobian = KEPT;
   if (iterate_constrained(m, end) == TAKEN) return TAKEN;
   if (is_new) return REFUSED;
-  m->is_stale = 1;
+  m->matrix->is_stale = 1;
   return NEEDS_JACOBIAN;
 }
