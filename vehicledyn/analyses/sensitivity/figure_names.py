@@ -22,6 +22,13 @@ from vehicledyn.symbolic.equations import Equations
 Matrix = NDArray[np.float64]
 
 
+_FIRST_SAMPLES = 500
+"""Samples of a long run in whose first part figures are looked for before the whole is run."""
+_PATTERN = frozenset("*?[]")
+_IN_NO_NAME = frozenset(" ,;:=/\\\"'\t\n")
+"""Signs that patterns are known by, and those that stand in no name of a figure."""
+
+
 def is_figure_of_run(name: str, equations: Equations) -> bool:
     """Return whether a name can only be a key figure: no channel, and no figure of one."""
     return "(" not in name and all(name != channel.name for channel in equations.channels)
@@ -38,7 +45,7 @@ def check_names(loaded: LoadedScenario, of: Sequence[str], progress: Progress) -
     """Return what names ask for; refuse those that are neither channels nor figures of the run.
 
     Which key figures there are depends on the run, which is simulated for it by the scenario's
-    own method; that needs no compiler.
+    own method, its first part alone where that shows them; that needs no compiler.
 
     Parameters
     ----------
@@ -59,14 +66,25 @@ def check_names(loaded: LoadedScenario, of: Sequence[str], progress: Progress) -
     prepared, start = prepare_run(loaded, backend="auto", progress=progress)
     doubtful = [name for name in of if is_figure_of_run(name, prepared.equations)]
     found = wanted(prepared.equations, of, doubtful)
+    impossible = [name for name in doubtful if set(name) & _IN_NO_NAME]
+    if impossible:
+        wanted(prepared.equations, impossible, ())
     if doubtful:
         progress("finding the key figures of the run", None)
-        found = wanted(prepared.equations, of, _figures_of_run(loaded, prepared, start))
+        whole, interval = loaded.scenario.duration, loaded.scenario.output.interval
+        known: list[str] = []
+        if whole > _FIRST_SAMPLES * interval and not any(set(name) & _PATTERN for name in doubtful):
+            known = _figures_of_run(loaded, prepared, start, _FIRST_SAMPLES * interval)
+        if not set(doubtful) <= set(known):
+            known = _figures_of_run(loaded, prepared, start, whole)
+        found = wanted(prepared.equations, of, known)
     return found
 
 
-def _figures_of_run(loaded: LoadedScenario, prepared: Prepared, start: Point) -> list[str]:
-    """Return the names of the key figures that have derivatives."""
+def _figures_of_run(
+    loaded: LoadedScenario, prepared: Prepared, start: Point, stop: float
+) -> list[str]:
+    """Return the names of the key figures that have derivatives, of a run to a time [s]."""
     chosen, channels = needed_channels(prepared), prepared.equations.channels
     solver: Any = loaded.scenario.solver
     times: list[Matrix] = []
@@ -81,7 +99,7 @@ def _figures_of_run(loaded: LoadedScenario, prepared: Prepared, start: Point) ->
         prepared.kernel,
         solver,
         start=0.0,
-        stop=loaded.scenario.duration,
+        stop=stop,
         state=start.state,
         unknowns=start.unknowns,
         interval=loaded.scenario.output.interval,
