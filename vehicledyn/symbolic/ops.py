@@ -6,13 +6,13 @@ files stays quick.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from vehicledyn.base.numbers import quarter_turns
 from vehicledyn.symbolic.frames import common_axes
+from vehicledyn.symbolic.number_operations import OF_NUMBER, OF_NUMBERS
 
 if TYPE_CHECKING:
     import numpy as np
@@ -51,9 +51,9 @@ def _turned(name: str, of_number: Callable[[float], float], x: Scalar) -> Scalar
 
 def _unary(name: str, x: Scalar) -> Scalar:
     """Return an operation of CasADi; of expressions without its search for a fitting overload."""
-    if type(x) is float and name in _OF_NUMBER:
+    if type(x) is float and name in OF_NUMBER:
         with suppress(ValueError, OverflowError):  # not a number or infinite: CasADi knows which
-            return _OF_NUMBER[name](x)
+            return OF_NUMBER[name](x)
     import casadi
 
     if type(x) is casadi.SX:
@@ -63,40 +63,13 @@ def _unary(name: str, x: Scalar) -> Scalar:
 
 def _binary(name: str, x: Scalar, y: Scalar) -> Scalar:
     """Return an operation of CasADi on two operands, as :func:`_unary` does on one."""
-    if type(x) is float and type(y) is float and name in _OF_NUMBERS:
-        return _OF_NUMBERS[name](x, y)
+    if type(x) is float and type(y) is float and name in OF_NUMBERS:
+        return OF_NUMBERS[name](x, y)
     import casadi
 
     if casadi.SX in (type(x), type(y)) and {type(x), type(y)} <= {casadi.SX, float, int}:
         return casadi.SX.binary(getattr(casadi, f"OP_{name.upper()}"), x, y)
     return getattr(casadi, name)(x, y)
-
-
-def _smaller(x: float, y: float) -> float:
-    return y if y < x or math.isnan(x) else x
-
-
-def _larger(x: float, y: float) -> float:
-    return y if y > x or math.isnan(x) else x
-
-
-def _sign(x: float) -> float:
-    return x if x == 0.0 or math.isnan(x) else math.copysign(1.0, x)
-
-
-_OF_NUMBER: dict[str, Callable[[float], float]] = {
-    "tan": math.tan,
-    "atan": math.atan,
-    "asin": math.asin,
-    "exp": math.exp,
-    "log": math.log,
-    "tanh": math.tanh,
-    "sqrt": math.sqrt,
-    "fabs": math.fabs,
-    "sign": _sign,
-}
-_OF_NUMBERS = {"fmin": _smaller, "fmax": _larger}
-"""Operations on numbers, equal to CasADi's, which takes a while to load."""
 
 
 def tan(x: Scalar) -> Scalar:

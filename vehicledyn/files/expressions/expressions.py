@@ -112,9 +112,7 @@ class Expression:
     @cached_property
     def names(self) -> tuple[str, ...]:
         """Names in the order they occur."""
-        found: dict[str, None] = {}
-        _collect_names(self.root, found)
-        return tuple(found)
+        return tuple(_names(self.root, {}))
 
     def replaced(self, names: Mapping[str, Expression]) -> Expression:
         """Return the expression with some names replaced by expressions."""
@@ -368,19 +366,19 @@ def _lookup(name: str, names: Mapping[str, Any], algebra: Algebra) -> Any:
     raise ExpressionError(unknown_name("quantity", name, names))
 
 
-def _collect_names(node: Node, found: dict[str, None]) -> None:
+def _names(node: Node, found: dict[str, None]) -> dict[str, None]:
     if node.name and node.name != "pi":
         found[node.name] = None
     for inner in node.arguments:
-        _collect_names(inner, found)
+        _names(inner, found)
+    return found
 
 
 def _replaced(node: Node, names: Mapping[str, Expression]) -> Node:
     if node.name:
         return names[node.name].root if node.name in names else node
-    if not node.arguments:
-        return node
-    return replace(node, arguments=tuple(_replaced(n, names) for n in node.arguments))
+    parts = tuple(_replaced(n, names) for n in node.arguments)
+    return replace(node, arguments=parts) if parts else node
 
 
 def _signed(node: Node, sign: float) -> Node:

@@ -156,8 +156,7 @@ def examine_scenario(
     if not isinstance(document.data, dict) or is_system(document.data):
         return None, problems
     data, sources = copied(document.data), Sources(document)
-    is_changed = bool(overrides or changes)
-    groups = _parameter_groups(data.get("model"), path, built) if is_changed else set()
+    groups = _parameter_groups(data.get("model"), path, built) if overrides or changes else set()
     found = [apply_override(data, override, sources, groups) for override in overrides]
     found += [apply_change(data, change, sources, groups) for change in changes]
     problems += [problem for problem in found if problem is not None]
