@@ -54,7 +54,11 @@ class ResultPlace:
         Interrupted
             If the user stopped the analysis.
         """
-        data = LabelledData(self.path, owned_folder=self._folder, report=report)
+        try:
+            data = LabelledData(self.path, owned_folder=self._folder, report=report)
+        except InputError:
+            self.kept.finish()  # numbers that no computation should come to: nor would it again
+            raise
         self._folder = None
         if data.status == "interrupted":
             raise Interrupted(data)
