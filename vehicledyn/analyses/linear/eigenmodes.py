@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -13,12 +13,12 @@ from vehicledyn.analyse.linearise import Linearisation, linearise
 from vehicledyn.analyse.modes import Mode, eigenmodes
 from vehicledyn.analyse.small_motions import varied_states
 from vehicledyn.analyses.linear.mode_report import ModesAtSpeed, ModesReport
-from vehicledyn.analyses.preparation.model_hash import model_facts
 from vehicledyn.analyses.preparation.own_speed import at_speed, refuse_idle_speed, speed_matters
 from vehicledyn.analyses.preparation.prepare import Start, prepare, reference_start, start_point
-from vehicledyn.analyses.preparation.prepared import Prepared, Progress
+from vehicledyn.analyses.preparation.prepared import Check, Prepared, Progress
 from vehicledyn.analyses.preparation.rounded_kinks import rounded_kinks
 from vehicledyn.analyses.preparation.steadiness import unsteadiness
+from vehicledyn.analyses.preparation.target_digest import digests_to_keep
 from vehicledyn.base.argument_names import given
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.units import shown
@@ -31,7 +31,6 @@ from vehicledyn.results.tables.mode_table import ModeCase, ModeTable
 
 __all__ = ["ModesAtSpeed", "ModesReport", "find_modes"]
 
-_KINDS = ModesAtSpeed, Mode, Linearisation
 _EQUAL = 1e-6
 """Part by which two participations may differ and count as equal [1]."""
 
@@ -73,38 +72,71 @@ def find_modes(
         If there is no steady motion at a speed.
     """
     variants = [("", target)] if not isinstance(target, Sequence) else list(target)
-    found: list[ModesAtSpeed] = []
-    cases: list[ModeCase] = []
-    table = ModeTable("", "", (), (), (), ())
-    has_speed = True
-    before: Target | None = None
-    memory = (kept or KeptWork()).memory("eig", list(speeds), kinds=_KINDS)
+    kept = kept or KeptWork()
+    memory = kept.memory("eig", list(speeds), start, backend, kinds=_KINDS)
+    subjects = _Subjects(backend, progress, refuse_idle_speed if speeds else None)
+    found: list[_Found] = []
     for setting, variant, speed in _cases(variants, speeds):
-        if variant is not before:
-            prepared = prepare(
-                variant,
-                backend=backend,
-                progress=progress,
-                check=refuse_idle_speed if speeds else None,
+        digests = digests_to_keep(kept, [variant])
+        find = partial(_found, subjects, variant, speed, start)
+        own = memory.recall_or_raise("modes", (digests, speed), find)
+        if found and own.table.states != found[0].table.states:
+            raise InputError(f"{given('cases', setting)}: changes which states the model has")
+        found.append(own.called(setting))
+    whole = replace(found[0].table, cases=tuple(item.case for item in found))
+    return ModesReport(whole.model, [item.entry for item in found], whole, found[-1].has_speed)
+
+
+class _Found(NamedTuple):
+    """What is found of a case: a table without cases, the modes, and the case of the table."""
+
+    table: ModeTable
+    has_speed: bool
+    entry: ModesAtSpeed
+    case: ModeCase
+
+    def called(self, setting: str) -> _Found:
+        """Return the same with what was changed."""
+        return self._replace(
+            entry=replace(self.entry, setting=setting), case=replace(self.case, setting=setting)
+        )
+
+
+@dataclass
+class _Subjects:
+    """Prepares targets, each once if they come one after the other."""
+
+    backend: Backend
+    progress: Progress
+    check: Check | None
+    last: tuple[Target, Prepared] | None = None
+
+    def prepared(self, target: Target) -> Prepared:
+        """Return a target made ready."""
+        if self.last is None or self.last[0] is not target:
+            made = prepare(
+                target,
+                backend=self.backend,
+                progress=self.progress,
+                check=self.check,
                 varies_states=True,
             )
-            before = variant
-        own = _empty_table(prepared, variant)
-        if found and own.states != table.states:
-            raise InputError(f"{given('cases', setting)}: changes which states the model has")
-        table = table if found else own
-        has_speed = speed_matters(prepared.subject)
-        place = f" at {shown(speed, 'm/s')}" if has_speed else ""
-        progress(f"linearising{place}", None)
-        entry, linear = memory.recall_or_raise(
-            "modes",
-            (model_facts(prepared.equations, prepared.kernel.parameters), speed, start),
-            partial(_modes_at, prepared, speed, start, variant.choices),
-        )
-        found.append(replace(entry, setting=setting))
-        cases.append(_case(table, found[-1], linear))
-    whole = replace(table, cases=tuple(cases))
-    return ModesReport(whole.model, found, whole, has_speed)
+            self.last = target, made
+        return self.last[1]
+
+
+def _found(subjects: _Subjects, target: Target, speed: float, start: Start | None) -> _Found:
+    """Return the modes of a target at a speed [m/s]."""
+    prepared = subjects.prepared(target)
+    has_speed = speed_matters(prepared.subject)
+    place = f" at {shown(speed, 'm/s')}" if has_speed else ""
+    subjects.progress(f"linearising{place}", None)
+    entry, linear = _modes_at(prepared, speed, start, target.choices)
+    table = _empty_table(prepared, target)
+    return _Found(table, has_speed, entry, _case(table, entry, linear))
+
+
+_KINDS = _Found, ModeTable, ModeCase, ModesAtSpeed, Mode, Quantity
 
 
 def _cases(

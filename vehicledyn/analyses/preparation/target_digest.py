@@ -25,6 +25,8 @@ def target_digest(target: Target) -> str:
     contents = sorted((Path(name).name, d) for name, d in named_files(target).items())
     facts = {**target.resolved, "files": contents}
     facts |= {"model": target.model_name, "written": target.written.text}
+    if target.choices is None:
+        facts |= {"changes": list(target.overrides), "described": target.written.described}
     facts["code"] = foreign_sources(target)
     if target.built is not None:
         equations = Derived(target, build_subject(target)).equations
