@@ -37,13 +37,14 @@ from vehicledyn.kernel.engine import Count, Vector
 from vehicledyn.kernel.kernel import Kernel
 
 _MOST_ITERATIONS = 12
-_CLOSE = 1e-14
-"""Error of Newton's iteration allowed in each state, for one plus its size."""
+_CLOSE, _COARSEST, _SHARE = 1e-14, 1e-6, 1e-2
+"""Error of Newton's iteration allowed in each state, for one plus its size; without multipliers
+this part of the local error of positions, within bounds."""
 _CLOSE_FORCES = 1e-9
 """Error of Newton's iteration allowed in the multipliers, as a part of the largest."""
 _LEVER = 1e-2
 """Weight of the relative error of the multipliers beside that of the states."""
-_SLOW = 0.15
+_SLOW = 0.3
 """Contraction above which the Jacobian is found anew at the next step."""
 _ROUNDING = 1e-8
 """Change that is taken for rounding where it no longer falls."""
@@ -169,13 +170,20 @@ class ConstrainedSteps:
             if contraction > _SLOW and not is_rounding:
                 self._is_stale = True
             left = contraction / max(1.0 - contraction, 1e-3)
-            settled = iteration and moved * left < _CLOSE and forced * left < _CLOSE_FORCES
+            allowed = _CLOSE if len(multiplier) else self._allowed(known, a, instant)
+            settled = iteration and moved * left < allowed and forced * left < _CLOSE_FORCES
             if settled or size == 0.0 or (contraction > 0.5 and is_rounding):
                 return self._accepted(known, Unknowns(a, r, multiplier, eta), place)
             if contraction > 0.9 and iteration > 1:
                 return None
             before = size
         return None
+
+    def _allowed(self, known: _Known, a: Vector, at: Instant) -> float:
+        """Return the error that may be left where no multipliers need their digits."""
+        missed = self._weights.error_of_positions(known.size, a - known.old[0])
+        largest = np.abs(missed / (1.0 + np.abs(at.position))).max(initial=0.0)
+        return float(min(max(_SHARE * largest, _CLOSE), _COARSEST))
 
     def _accepted(
         self, known: _Known, found: Unknowns, place: ConstrainedPlace

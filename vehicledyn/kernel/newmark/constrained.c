@@ -4,7 +4,7 @@
    last. */
 enum { MOST_CONSTRAINED = 12 };
 
-static const double CLOSE_STATES = 1e-14, CLOSE_FORCES = 1e-9, LEVER = 1e-2, SLOW_CONSTRAINED = 0.15;
+static const double CLOSE_STATES = 1e-14, CLOSE_FORCES = 1e-9, LEVER = 1e-2, SLOW_CONSTRAINED = 0.3;
 static const double ROUNDING_STATES = 1e-8, COARSE = 1e-3;
 
 /* Solve with the factors; b holds the right side, then what is found. */
@@ -131,6 +131,18 @@ static void sizes_of(const struct run *m, const struct trial *s, const double *p
   *forced = turned / (1.0 + largest);
 }
 
+/* What Newton's method may leave where no multipliers need their digits: a part of the local error
+   of positions, for one plus their size. */
+static double allowed_error(const struct run *m, const struct trial *s, const double *old,
+                            const double *point) {
+  const double shift = m->alpha_m - m->alpha_f;
+  const double by_position = s->h * s->h * (1.0 / 6.0 - 0.5 * shift - m->beta);
+  double largest = 0.0;
+  for (long long i = 0; i < m->n_pairs; i++)
+    largest = fmax(largest, fabs(by_position * (s->a[i] - old[i])) / (1.0 + fabs(point[1 + i])));
+  return fmin(fmax(SHARE * largest, CLOSE_STATES), COARSEST);
+}
+
 static int iterate_constrained(struct run *m, double end) {
   const struct constrained *c = &m->constrained;
   const long long n = m->n_pairs, k = c->n_others, count = c->n_multipliers;
@@ -179,8 +191,8 @@ static int iterate_constrained(struct run *m, double end) {
     const double contraction = iteration ? change / before : 0.0;
     if (contraction > SLOW_CONSTRAINED && !is_rounding) m->matrix->is_stale = 1;
     const double left = contraction / fmax(1.0 - contraction, 1e-3);
-    const int settled =
-        iteration && moved * left < CLOSE_STATES && forced * left < CLOSE_FORCES;
+    const double allowed = count ? CLOSE_STATES : allowed_error(m, &s, old, point);
+    const int settled = iteration && moved * left < allowed && forced * left < CLOSE_FORCES;
     if (settled || change == 0.0 || (contraction > 0.5 && is_rounding)) {
       place_point(m, &s, end, point);
       return accept_trial(m, &s, end, point, old);
