@@ -12,7 +12,7 @@ import pytest
 from solve_examples import build, symbols
 
 from vehicledyn.integrate.batch import make_batch
-from vehicledyn.integrate.lane_run import LaneRun
+from vehicledyn.integrate.lane_run import FixedLaneRun
 from vehicledyn.kernel.engine import Count, March, Method, Rows, Status
 from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.symbolic.equations import Block
@@ -122,9 +122,8 @@ def lanes_begun(engine, kernel, method):
     """Return a run of equal cases in all lanes."""
     march = begun(kernel, method)
     parameters = engine.spread(kernel.parameters[None, :])
-    return LaneRun(
+    return FixedLaneRun(
         engine,
-        method,
         START,
         INTERVAL,
         PER_INTERVAL,
@@ -132,4 +131,5 @@ def lanes_begun(engine, kernel, method):
         engine.prepare(parameters),
         engine.spread(march.state[None, :]),
         engine.spread(march.unknowns[None, :]),
+        method=method,
     )
