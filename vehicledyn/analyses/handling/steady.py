@@ -82,7 +82,8 @@ def steady_table(
 def memory_of(car: TestedCar, kept: KeptWork | None, *wishes: Any) -> Memory:
     """Return the memory of the turns and drives of a car, for a computation that is wished."""
     facts = model_facts(car.equations, car.kernel.parameters)
-    return (kept or KeptWork()).memory(wishes, facts, kinds=(CarPoint, Drive))
+    given = wishes, facts, car.kernel.backend
+    return (kept or KeptWork()).memory(*given, kinds=(CarPoint, Drive))
 
 
 def steady_sheets(solver: SteadyTurn, wish: SteadyWish, progress: Progress) -> HandlingTable:

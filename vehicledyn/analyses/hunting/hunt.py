@@ -62,7 +62,8 @@ def find_limit_cycles(
         varies_states=True,
         evaluations=math.inf,
     )
-    facts = model_facts(prepared.equations, prepared.kernel.parameters), settings
+    kernel = prepared.kernel
+    facts = model_facts(prepared.equations, kernel.parameters), kernel.backend, settings
     identity = identity_of(*facts)
     before = finished(output, identity) if output is not None and kept.resume else None
     if before is not None:

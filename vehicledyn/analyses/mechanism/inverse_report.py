@@ -124,7 +124,7 @@ def find_forces(
     book = _Columns.of(inverse)
     report = InverseReport(output)
     facts = model_facts(inverse.equations, kernel.parameters)
-    memory = (kept or KeptWork()).memory("inverse", facts, times, tables)
+    memory = (kept or KeptWork()).memory("inverse", facts, kernel.backend, times, tables)
     found: list[Array] = []
     unknowns: Array | None = None
     with ResultWriter(
