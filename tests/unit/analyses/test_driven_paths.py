@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 import vehicledyn.catalogue  # noqa: F401
+from vehicledyn.analyses.mechanism.driven_mechanism import mechanism
 from vehicledyn.analyses.mechanism.kinematics import Request, sweep_kinematics
-from vehicledyn.analyses.mechanism.mechanism_path import Drive, mechanism, run_sweep
+from vehicledyn.analyses.mechanism.mechanism_path import Drive, run_sweep
 from vehicledyn.analyses.preparation.build_model import build_subject
 from vehicledyn.base.errors import InputError
 from vehicledyn.files.scenario import load_model

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.analyse.continuation import SingularPlace, Way
 from vehicledyn.analyses.mechanism.axle_characteristics import axle_columns
+from vehicledyn.analyses.mechanism.driven_mechanism import Mechanism, mechanism
 from vehicledyn.analyses.mechanism.instant_axes import (
     WheelColumns,
     axis_channels,
@@ -22,13 +23,7 @@ from vehicledyn.analyses.mechanism.instant_axes import (
     wheel_columns,
 )
 from vehicledyn.analyses.mechanism.kinematics_report import SHOWN, KinematicsReport
-from vehicledyn.analyses.mechanism.mechanism_path import (
-    Drive,
-    Mechanism,
-    Sweep,
-    mechanism,
-    run_sweep,
-)
+from vehicledyn.analyses.mechanism.mechanism_path import Drive, Sweep, run_sweep
 from vehicledyn.analyses.preparation.build_model import build_subject
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.analyses.preparation.target_digest import digests_to_keep

@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyse.continuation import SingularPlace, Way
-from vehicledyn.analyses.mechanism.mechanism_path import Drive, Mechanism, mechanism, run_sweep
+from vehicledyn.analyses.mechanism.driven_mechanism import Mechanism, mechanism
+from vehicledyn.analyses.mechanism.mechanism_path import Drive, run_sweep
 from vehicledyn.analyses.preparation.build_model import build_subject
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.base.errors import InputError, NumericalError, nearest_name, unknown_name

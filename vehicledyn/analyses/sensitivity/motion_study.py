@@ -19,8 +19,9 @@ from vehicledyn.analyse.gradients.key_figures import (
     sampled_slopes,
     unit_of,
 )
-from vehicledyn.analyse.gradients.motion import KINDS as STRETCH_KINDS
-from vehicledyn.analyse.gradients.motion import Piece, follow
+from vehicledyn.analyse.gradients.motion import follow
+from vehicledyn.analyse.gradients.motion_course import KINDS as STRETCH_KINDS
+from vehicledyn.analyse.gradients.motion_course import Piece
 from vehicledyn.analyse.gradients.motion_slopes import MotionSlopes
 from vehicledyn.analyse.gradients.sampled_run import sampled_run
 from vehicledyn.analyses.preparation.prepare import Point, set_speed, start_point

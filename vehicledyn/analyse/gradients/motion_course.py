@@ -1,0 +1,378 @@
+"""A motion under way with its tangents, step by step and through events, in stretches."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NoReturn
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.analyse.gradients.motion_slopes import EventSlope, Recorder
+from vehicledyn.base.errors import NumericalError
+from vehicledyn.integrate.events import EventWatch, Point
+from vehicledyn.kernel.bundle import Bundle, Found
+from vehicledyn.kernel.engine import Ledger, March, Method, Rows, Sides, Status, Vector
+from vehicledyn.kernel.kernel import Kernel
+from vehicledyn.kernel.tangent_code import Grid, Moment, TangentCode, Way
+
+Matrix = NDArray[np.float64]
+
+
+_GRAZING = 1e-6
+"""Rate of an event function at its zero, as a part of its mean rate in the step before it."""
+_AT_STEP = 1e-6
+"""Part of a step that a change of the dependent coordinates may lie beside it."""
+_AT_ONCE, _MOST_NUMBERS = 512, 4_000_000
+"""Intervals that are followed at once where nothing happens in them, and tangents of these."""
+_SHORTEST, _REACH = 1e-9, 1.25
+"""Parts of a step behind an event of a method of order one, as in a run without derivatives."""
+
+
+@dataclass(frozen=True)
+class Piece:
+    """Equations that hold from a time on [s], with other dependent coordinates than before.
+
+    ``code`` observes the same channels, in the same order, as that of the piece before; behind
+    these it may observe others, which the next change needs.
+    """
+
+    time: float
+    kernel: Kernel
+    code: TangentCode
+
+
+@dataclass(frozen=True)
+class Where:
+    """Where a motion stands: the next step, and what the following ones go on from."""
+
+    step: int
+    state: Vector
+    unknowns: Vector
+    memory: Vector
+    sides: Sides
+    crossed: Vector
+    tangents: Matrix
+    ended_by: str
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """Samples of a part of a motion, what is looked at, events, and where it ends.
+
+    ``n_later`` is the number of changes of the dependent coordinates that are still to come.
+    """
+
+    times: Vector
+    values: Matrix
+    slopes: Matrix
+    looks: tuple[tuple[Vector, Matrix, Matrix], ...]
+    events: tuple[EventSlope, ...]
+    end: Where
+    n_later: int
+
+
+KINDS = (Where, Stretch, EventSlope)
+"""Results of a memory of stretches."""
+
+
+class Course:
+    """A motion under way: the run itself, and a bundle of tangents that follows it.
+
+    With events the last direction of the bundle is the length of the step under way.
+    """
+
+    def __init__(
+        self,
+        piece: Piece,
+        grid: Grid,
+        start: tuple[Vector, Vector],
+        directions: tuple[Matrix, Matrix],
+        n_channels: int,
+    ) -> None:
+        by_parameter, by_state = directions
+        self.grid, self.n, self._by_parameter = grid, by_state.shape[1], by_parameter
+        self.events: list[EventSlope] = []
+        self.record = Recorder(n_channels, self.n)
+        numbers = max(1, by_state.size)
+        self.at_once = max(1, min(_AT_ONCE, _MOST_NUMBERS // numbers))
+        self._names: list[str] = []
+        self._later: list[tuple[int, Piece]] = []
+        extra = int(bool(piece.kernel.equations.events))
+        self._extra = np.zeros(self.n + extra)
+        self._begin(piece, 0, start, np.pad(by_state, ((0, 0), (0, extra))))
+        if self.watch.ended_by:
+            raise NumericalError(f"event '{self.watch.ended_by}' ends the motion at its start")
+
+    def _begin(
+        self, piece: Piece, step: int, start: tuple[Vector, Vector], tangents: Matrix
+    ) -> None:
+        """Go on with the equations of a piece from a step, with the tangents of its states."""
+        self.kernel, self.code, grid = piece.kernel, piece.code, self.grid
+        self.constants = self.code.constants(self.kernel.parameters)
+        moved = np.asarray(self.code.constant_slopes(self.kernel.parameters) @ self._by_parameter)
+        extra = len(self._extra) - self.n
+        self.bundle = Bundle(self.code, np.pad(moved, ((0, 0), (0, extra))), n_idle=extra)
+        self.bundle.state = tangents
+        state, guess = start
+        time = grid.start + grid.interval * step / grid.per_interval
+        unknowns = self.code.solved(time, state, guess, self.constants)
+        point = Point(time, state, unknowns)
+        self.watch = EventWatch(self.kernel, point, Ledger(), self._happened)
+        sides = self.watch.sides
+        self.march = March(
+            grid.method, grid.start, grid.interval, grid.per_interval, state, unknowns, sides=sides
+        )
+        self.march.step = step
+
+    def expect(self, later: Sequence[Piece]) -> None:
+        """Take notice of changes of the dependent coordinates.
+
+        Raises
+        ------
+        NumericalError
+            If one does not lie at a step.
+        """
+        for piece in later:
+            place = (piece.time - self.grid.start) / self.grid.interval * self.grid.per_interval
+            if abs(place - round(place)) > _AT_STEP:
+                raise NumericalError(
+                    f"the dependent coordinates change within a step, at t = {piece.time:.9g} s, "
+                    "which derivatives do not follow; take a smaller step or another start"
+                )
+            self._later.append((round(place), piece))
+
+    def place(self, count: int) -> tuple[Any, ...]:
+        """Return what so many intervals from here on depend on beside the motion itself."""
+        return self._where(), count, len(self._later)
+
+    def _where(self) -> Where:
+        march = self.march
+        return Where(
+            march.step,
+            march.state.copy(),
+            march.unknowns.copy(),
+            march.memory.copy(),
+            march.sides.copy(),
+            self.watch.memory,
+            self.bundle.state.copy(),
+            self.watch.ended_by,
+        )
+
+    def stretch(self, count: int) -> Stretch:
+        """Return the samples of the next intervals, and where they end."""
+        record = self.record = Recorder(self.record.n_channels, self.n)
+        before = len(self.events)
+        if self.march.step == 0:
+            self.sample()
+        self.intervals(count)
+        events = tuple(self.events[before:])
+        del self.events[before:]
+        return Stretch(
+            np.concatenate(record.times),
+            np.concatenate(record.values),
+            np.concatenate(record.slopes),
+            tuple(record.looks),
+            events,
+            self._where(),
+            len(self._later),
+        )
+
+    def go_on_behind(self, stretch: Stretch) -> None:
+        """Stand where a stretch has ended."""
+        where = stretch.end
+        while len(self._later) > stretch.n_later:
+            _, piece = self._later.pop(0)
+            self._begin(piece, where.step, (where.state, where.unknowns), where.tangents)
+        self.events += stretch.events
+        self.march.step, self.bundle.state = where.step, where.tangents
+        pairs = (
+            (self.march.state, where.state),
+            (self.march.unknowns, where.unknowns),
+            (self.march.memory, where.memory),
+            (self.march.sides, where.sides),
+        )
+        for own, known in pairs:
+            own[:] = known
+        self.watch.recall(where.crossed)
+        self.watch.ended_by = where.ended_by
+
+    def _change(self, piece: Piece) -> None:
+        """Go on with other dependent coordinates: the same motion, with other states."""
+        point = Point(self.time, self.march.state, self.march.unknowns)
+        found, e = self._found(point, None), self.kernel.equations
+        values, slopes = found.values[0], found.value_slopes[0]
+        channels = [e.channels[k].name for k in self.code.channels]
+        known = dict(zip(channels, zip(values, slopes, strict=False), strict=False))
+        for items, numbers, rows in (
+            (e.states, point.state, self.bundle.state),
+            (e.unknowns, point.unknowns, found.unknown_slopes[0]),
+        ):
+            names = [item.name for item in items]
+            known |= dict(zip(names, zip(numbers, rows, strict=True), strict=True))
+        new = piece.kernel.equations
+        state = np.array([known[item.name][0] for item in new.states])
+        guess = np.array([known[u.name][0] if u.name in known else u.start for u in new.unknowns])
+        tangents = np.array([known[item.name][1] for item in new.states])
+        self._begin(piece, self.march.step, (state, guess), tangents)
+
+    def _happened(self, name: str, _: float) -> None:
+        self._names.append(name)
+
+    @property
+    def time(self) -> float:
+        """Time of the step that is due [s]."""
+        return self.march.time(self.march.step)
+
+    def sample(self, moved: Vector | None = None) -> None:
+        """Record the channels at the point reached; ``moved`` are the tangents of its time."""
+        point = Point(self.time, self.march.state, self.march.unknowns)
+        self.record.looks.append(
+            (np.array([point.time]), point.state[None].copy(), point.unknowns[None].copy())
+        )
+        self._record(point, moved)
+
+    def _record(self, point: Point, moved: Vector | None) -> None:
+        found = self._found(point, moved)
+        self.record.take(np.array([point.time]), found.values, found.value_slopes)
+
+    def _found(self, point: Point, moved: Vector | None) -> Found:
+        return self.bundle.here(Moment(*point, self.constants), moved)
+
+    def intervals(self, count: int) -> None:
+        """Go on by so many samples, or to the event that ends the motion."""
+        due = count * self.grid.per_interval
+        while due:
+            if self._later and self._later[0][0] <= self.march.step:
+                self._change(self._later.pop(0)[1])
+            ahead = self._later[0][0] - self.march.step if self._later else due
+            way = Way(self.march.step, min(due, ahead))
+            before = self.march.state.copy(), self.march.unknowns.copy()
+            moment = Moment(self.time, self.march.state, self.march.unknowns, self.constants)
+            status, taken, samples = self.bundle.march(self.grid, way, moment, self.march.sides)
+            if status not in (Status.SOLVED, Status.EVENT):
+                self._refuse(status, way, before)
+            self.march.step += taken
+            if len(samples.times):
+                self.record.looks.append(samples[:3])
+            found = self.bundle.found(samples, self.constants)
+            self.record.take(samples.times, found.values, found.value_slopes)
+            due -= taken
+            if status is Status.EVENT:
+                self._step_with_events()
+                if self.watch.ended_by:
+                    return
+                due -= 1
+                if self.march.step % self.grid.per_interval == 0:
+                    self.sample()
+
+    def _refuse(self, status: Status, way: Way, before: tuple[Vector, Vector]) -> NoReturn:
+        """Raise what a run without derivatives raises where it fails, or that tangents do."""
+        march = replace(self.march, state=before[0], unknowns=before[1])
+        found = self.kernel.advance(march, way.n_steps, self._rows())
+        if found not in (Status.SOLVED, Status.EVENT):
+            raise NumericalError(self.kernel.failure(found, march.time(march.step), march.ledger))
+        self.code.check(status, self.time)
+        raise NumericalError(f"the motion has no tangents near t = {self.time:.9g} s")
+
+    def _rows(self) -> Rows:
+        e = self.kernel.equations
+        sizes = len(e.states), len(e.unknowns), len(e.channels)
+        return Rows(*[np.empty((self.at_once + 1, size)) for size in sizes])
+
+    def _step_with_events(self) -> None:
+        """Take the step that is due in parts, as a run without derivatives does."""
+        step = self.grid.interval / self.grid.per_interval
+        fraction, reach, moved = 0.0, 1.0, self._extra.copy()
+        euler = self.grid.method == Method.SYMPLECTIC_EULER
+        while fraction < 1.0 and not self.watch.ended_by:
+            begin, end = fraction, min(fraction + reach, 1.0)
+            trial, self._names = self._trials(begin), []
+            point = trial(end)
+            crosses = self.watch.fires(point)
+            if crosses:
+                fraction, point = self.watch.cross(trial, begin, end, step)
+                before = trial(fraction)
+                moved = self._cross(before, point, begin, fraction, moved)
+                reach = _SHORTEST / step if euler else 1.0
+            else:
+                later = self._extra if end == 1.0 else moved
+                self._part((begin, end), (moved, later))
+                fraction, reach = end, _REACH * reach
+                moved = later
+            self.march.state[:], self.march.unknowns[:] = point.state, point.unknowns
+        self.march.memory[:] = 0.0
+        self.march.step += 1
+        if self.watch.ended_by:
+            self._end(point, moved)
+
+    def _end(self, point: Point, moved: Vector) -> None:
+        """Record the sample where a terminal event ends the motion."""
+        self._record(point, moved)
+
+    def _trials(self, begin: float) -> Callable[[float], Point]:
+        def trial(end: float) -> Point:
+            part = replace(self.march)
+            status = self.kernel.advance_part(part, (begin, end))
+            if status is not Status.SOLVED:
+                moment = self.march.time(self.march.step, begin)
+                raise NumericalError(self.kernel.failure(status, moment, self.march.ledger))
+            step = self.march.step
+            moment = self.march.time(step, end) if end < 1.0 else self.march.time(step + 1)
+            return Point(moment, part.state, part.unknowns)
+
+        return trial
+
+    def _part(self, span: tuple[float, float], times: tuple[Vector, Vector]) -> None:
+        state, unknowns = self.march.state.copy(), self.march.unknowns.copy()
+        moment = Moment(self.time, state, unknowns, self.constants)
+        self.bundle.part(self.grid, Way(self.march.step, 1, span), moment, times)
+
+    def _cross(
+        self, before: Point, after: Point, begin: float, end: float, moved: Vector
+    ) -> Vector:
+        """Carry the tangents through the events at a point; return those of its time."""
+        known = self._names
+        all_events = [event.name for event in self.kernel.equations.events]
+        places = [all_events.index(name) for name in known]
+        self._refuse_coincidence(places, before.time)
+        earlier = self.kernel.event_values(
+            self.march.time(self.march.step, begin), self.march.state, self.march.unknowns
+        )
+        ahead = self._extra.copy()
+        ahead[-1] = 1.0
+        self._part((begin, end), (moved, ahead))
+        slopes = self._found(before, ahead).value_slopes[0]
+        n_channels = len(self.code.channels)
+        by_event = slopes[n_channels + places[0]]
+        rate = by_event[-1]
+        seconds = before.time - self.march.time(self.march.step, begin)
+        if not abs(rate) * seconds > _GRAZING * abs(earlier[places[0]]):
+            raise NumericalError(
+                f"event '{known[0]}' only grazes its limit at t = {before.time:.9g} s: a smaller "
+                "motion would miss it, so no derivative exists behind it; change the parameters "
+                "or end the run before"
+            )
+        moment = np.append(-by_event[:-1] / rate, 0.0)
+        self.events += [EventSlope(name, before.time, moment[:-1].copy()) for name in known]
+        tangents = self.bundle.state
+        tangents = tangents + np.outer(tangents[:, -1], moment)
+        tangents[:, -1] = 0.0
+        event = self.kernel.equations.events[places[0]]
+        first = n_channels + len(all_events)
+        total = slopes + np.outer(slopes[:, -1], moment)
+        for index, row in event.resets:
+            tangents[index] = total[first + row]
+            tangents[index, -1] = 0.0
+        self.bundle.state = tangents
+        return moment
+
+    def _refuse_coincidence(self, places: list[int], time: float) -> None:
+        events = [self.kernel.equations.events[k] for k in places]
+        if len(events) > 1 and any(event.resets for event in events):
+            names = " and ".join(f"'{event.name}'" for event in events)
+            raise NumericalError(
+                f"the events {names} happen at once at t = {time:.9g} s: which comes first "
+                "decides how the motion goes on, so no derivative exists behind them"
+            )
