@@ -12,6 +12,7 @@ import vehicledyn as vd
 from vehicledyn.analyse.periodic.cycles_at import cycle_at
 from vehicledyn.analyse.periodic.fine_orbits import FineOrbits
 from vehicledyn.analyse.periodic.orbit_slopes import ParameterSlopes, orbit_slopes
+from vehicledyn.analyses.sensitivity import cycles
 from vehicledyn.analyses.sensitivity.cycle_figures import CycleFigures
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.results.tables.sensitivity_table import read_sensitivity
@@ -212,3 +213,12 @@ def test_what_is_refused(of, to, more, words, tmp_path):
     path.write_text(WHEEL, encoding="utf-8")
     with pytest.raises((InputError, NumericalError), match=words):
         vd.sensitivity(path, of, to, **more)
+
+
+def test_small_effects_are_measured_by_themselves():
+    """An effect of a hundredth of the largest may not change by more than a millionth of itself."""
+    values, before = np.array([2.0, 1.0, 1.0]), np.array([[0.5, 0.01, 0.0], [0.0, 0.0, 0.0]])
+    after = before + np.array([[1e-8, 5e-8, 1e-10], [0.0, 0.0, 0.0]])
+    of_largest, of_itself = cycles._changes(before, after, values)
+    assert of_largest == pytest.approx(5e-8, rel=1e-3)
+    assert of_itself == pytest.approx(5e-6, rel=1e-3)

@@ -1,7 +1,8 @@
 """The quickest motion, found from a slow one by shortening it little by little.
 
 Far from an optimum at the limit of tyres a search takes steps that leave the motion behind. At a
-given duration the problem is tame, and the next shorter one is near.
+given duration the problem is tame, and the next shorter one is near. On the way motions are found
+roughly, and stay away from their bounds.
 """
 
 from __future__ import annotations
@@ -15,13 +16,14 @@ from vehicledyn.analyse.optimal_control.transcription import PointModel
 _FIRST, _LEAST = 0.04, 0.002
 """Part by which a motion is shortened at first, and below which shortening is given up."""
 
-_LONGER = 1e-4
-"""Part by which a motion that is longer than it must be is an optimum."""
+_LONGER = 0.5
+"""Part of what it should be shortened by, by which a motion near its optimum is longer."""
 
 _MOST_ITERATIONS = 60
 """Iterations for one duration; where these do not do, it is shortened by less."""
 
-_BARRIER = 1e-3
+_BARRIER, _ROUGH = 1e-3, 1e-3
+"""Parameter of the barrier, and optimality, of motions on the way."""
 
 
 def solve_by_shortening(
@@ -42,7 +44,11 @@ def solve_by_shortening(
     """
     low, high = model.problem.duration
     brief = replace(
-        settings, most_iterations=min(_MOST_ITERATIONS, settings.most_iterations), barrier=_BARRIER
+        settings,
+        most_iterations=min(_MOST_ITERATIONS, settings.most_iterations),
+        tolerance=max(_ROUGH, settings.tolerance),
+        barrier=_BARRIER,
+        kept_barrier=_BARRIER,
     )
     spent, part, shortest = 0, _FIRST, lost
     duration = min(max((1.0 + _FIRST) * lost.duration, low), high)
@@ -52,8 +58,8 @@ def solve_by_shortening(
         spent += found.iterations
         if not found.failure:
             is_begun, shortest = True, found.trajectory
-            if shortest.duration > (1.0 + _LONGER) * duration:
-                return replace(found, iterations=spent)
+            if shortest.duration > (1.0 + _LONGER * part) * duration:
+                break
         elif is_begun:
             part *= 0.5
         elif shortest is lost:

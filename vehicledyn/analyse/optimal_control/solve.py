@@ -55,7 +55,8 @@ class Settings:
 
     ``tolerance`` is the scaled first-order optimality to reach, ``most_iterations`` how many it may
     take. ``barrier`` is the parameter of the barrier to begin with where the guess is nearly an
-    optimum, None where it is not: then it adapts.
+    optimum, None where it is not: then it adapts. ``kept_barrier`` is the one at the end: where it
+    is above zero the motion found stays away from its bounds.
     """
 
     scales: Floats
@@ -63,6 +64,7 @@ class Settings:
     most_iterations: int
     watch: Watch
     barrier: float | None = None
+    kept_barrier: float = 0.0
 
 
 def solve_on_mesh(model: PointModel, guess: Trajectory, settings: Settings) -> Solution:
@@ -83,6 +85,7 @@ def solve_on_mesh(model: PointModel, guess: Trajectory, settings: Settings) -> S
         "constr_viol_tol": min(settings.tolerance, _FEASIBLE),
         "acceptable_constr_viol_tol": _FEASIBLE,
         "mu_strategy": "adaptive",
+        "mu_target": settings.kept_barrier,
         "theta_max_fact": 1.0,  # else steps may leave the motion far behind
     }
     if settings.barrier is not None:

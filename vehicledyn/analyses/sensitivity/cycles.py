@@ -50,6 +50,9 @@ _MOST_INTERVALS = 640
 _CONVERGED, _TOLERATED = 1e-7, 1e-4
 """Change of effects with half the mesh, part of the largest one, with which the mesh suffices, and
 above which a note says so."""
+_OF_ITSELF, _SMALL = 1e-6, 1e-3
+"""Change of an effect, part of itself, with which the mesh suffices; part of the largest effect
+below which an effect is not measured by itself."""
 
 
 KINDS = *CYCLE_KINDS, OrbitSlopes
@@ -243,9 +246,10 @@ class _Cycles:
             find = partial(_differentiated, slopes, orbits, orbit)
             orbit, along = self.memory.recall_or_raise("differentiated", orbit, find)
             figures = CycleFigures(slopes, orbit, along)
-            change = np.inf if before is None else _change(before.slopes, figures.slopes, values)
-            if self._is_settled(change, orbit):
-                return figures
+            if before is not None:
+                changes = _changes(before.slopes, figures.slopes, values)
+                if self._is_settled(changes, orbit):
+                    return figures
             before, orbit = figures, orbits.finer(orbit)
 
     def _fold(self, point: CyclePoint, which: Sequence[int]) -> tuple[Quantity, float, Floats]:
@@ -259,17 +263,17 @@ class _Cycles:
             orbit, way, slope = self.memory.recall_or_raise("fold", (orbit, along), find)
             if model.index in which:
                 slope[list(which).index(model.index)] = 0.0
-            change = np.inf if before is None else _change(before, slope, values)
-            if self._is_settled(change, orbit):
+            if before is not None and self._is_settled(_changes(before, slope, values), orbit):
                 break
             before, finer = slope, orbits.finer(orbit)
             along, orbit = moved(orbit, way, finer.mesh), finer
         words = "Lowest speed with a stable limit cycle, at a fold"
         return Quantity(NONLINEAR, "m/s", words), orbit.parameter, slope
 
-    def _is_settled(self, change: float, orbit: Orbit) -> bool:
+    def _is_settled(self, changes: tuple[float, float], orbit: Orbit) -> bool:
         """Return whether a mesh is fine enough; say so if it is as fine as it may be but not."""
-        if change < _CONVERGED:
+        change, of_itself = changes
+        if change < _CONVERGED and of_itself < _OF_ITSELF:
             return True
         if 2 * orbit.intervals <= _MOST_INTERVALS:
             return False
@@ -298,14 +302,16 @@ def _differentiated_fold(
     return fine.found.orbit, fine.along, orbit_slopes(slopes, fine).parameter
 
 
-def _change(before: Floats, after: Floats, values: Floats) -> float:
-    """Return by how much effects of parameters differ, part of the largest one of a row.
+def _changes(before: Floats, after: Floats, values: Floats) -> tuple[float, float]:
+    """Return by how much effects of parameters differ: part of the largest of a row, of themselves.
 
     Effects are derivatives (..., n) times the parameters' values (n,).
     """
-    size = np.abs(after * values).max(axis=-1)
-    missed = np.abs((after - before) * values).max(axis=-1)
-    return float((missed / np.where(size > 0.0, size, 1.0)).max(initial=0.0))
+    effects, missed = np.abs(after * values), np.abs((after - before) * values)
+    largest = effects.max(axis=-1, keepdims=True)
+    largest = np.where(largest > 0.0, largest, 1.0)
+    own = np.maximum(effects, _SMALL * largest)
+    return float((missed / largest).max(initial=0.0)), float((missed / own).max(initial=0.0))
 
 
 def _parsed(name: str, equations: Equations) -> _Asked:
