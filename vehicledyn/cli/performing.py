@@ -64,7 +64,7 @@ def conclude(
 ) -> NoReturn:
     """Draw the figures, print messages and report, and leave with the exit code of the result.
 
-    Figures of a run are drawn by ``draw``.
+    Figures that a result describes itself, as runs do, are drawn by ``draw`` where there is one.
     """
     report: Any = data.report
     code = code_of_result(data)
@@ -107,13 +107,15 @@ def _draw(
     data: LabelledData, folder: Path, draw: Draw | None, *, quiet: bool
 ) -> tuple[list[str], int]:
     """Draw figures; return what to say and an exit code. A failure leaves the result whole."""
+    from vehicledyn.results.plots.drawing_process import draw_here
+
     try:
-        if data.kind != _RUN or draw is None:
+        if data.kind != _RUN:
             _draw_tables(data, folder)
             return [], OK
         with show_progress(quiet=quiet) as progress:
             progress("drawing the figures", None)
-            number = draw(data.path, folder)
+            number = (draw or draw_here)(data.path, folder)
     except StoppedError:
         return [f"stopped while drawing; the result {data.path} is whole"], INTERRUPTED
     except InputError as error:

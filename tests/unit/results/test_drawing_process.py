@@ -24,7 +24,7 @@ def beside(monkeypatch):
 def here(monkeypatch):
     """List the results that this process draws."""
     drawn = []
-    monkeypatch.setattr(module, "_draw_here", lambda path, folder: drawn.append(path) or 7)
+    monkeypatch.setattr(module, "draw_here", lambda path, folder: drawn.append(path) or 7)
     return drawn
 
 

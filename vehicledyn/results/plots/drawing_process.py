@@ -39,7 +39,7 @@ def drawing_process(*, wanted: bool) -> Iterator[Draw]:
         with suppress(OSError):
             worker = _Worker(start_module(_MODULE, subprocess.DEVNULL))
     try:
-        yield _draw_here if worker is None else worker.draw
+        yield draw_here if worker is None else worker.draw
     finally:
         if worker is not None:
             worker.end()
@@ -64,7 +64,7 @@ class _Worker:
             self.process.stdin.flush()  # type: ignore[union-attr]
         reply = self.process.stdout.readline()  # type: ignore[union-attr]
         self.is_drawing = False
-        return int(reply) if reply else _draw_here(path, folder)
+        return int(reply) if reply else draw_here(path, folder)
 
     def end(self) -> None:
         """End the process, after what it draws is removed."""
@@ -75,7 +75,8 @@ class _Worker:
         end_program(self.process)
 
 
-def _draw_here(path: Path, folder: Path) -> int:
+def draw_here(path: Path, folder: Path) -> int:
+    """Draw the plots that a result file describes in this process; return how many pictures."""
     from vehicledyn.results.plots.run_plots import draw_described
 
     return len(draw_described(path, folder))
