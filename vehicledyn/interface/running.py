@@ -53,12 +53,18 @@ class ResultPlace:
         ------
         Interrupted
             If the user stopped the analysis.
+        NumericalError
+            If it has come to numbers that no result holds; nothing is kept then.
         """
         try:
             data = LabelledData(self.path, owned_folder=self._folder, report=report)
-        except InputError:
-            self.kept.finish()  # numbers that no computation should come to: nor would it again
-            raise
+        except InputError as error:
+            self.kept.finish()  # to go on would end there again
+            self.path.unlink(missing_ok=True)
+            why = str(error).partition("is damaged (")[2].partition(");")[0]
+            if not why:
+                raise
+            raise NumericalError(f"the result cannot be kept: {why}; nothing is written") from error
         self._folder = None
         if data.status == "interrupted":
             raise Interrupted(data)
