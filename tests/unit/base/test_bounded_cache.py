@@ -17,6 +17,7 @@ BOUNDED_BY_THEIR_KEYS = {
     "codegen/passes/local_slopes.py:_template": "operations and their operands",
     "files/system/declared_sets.py:declared_set": "types of elements",
     "files/system/joint_sets.py:joint_set": "types of joints",
+    "files/expressions/dimensions.py:_common_units": "nothing",
     "files/system/kinds.py:_enter_own": "nothing",
     "library/names.py:entries": "kinds of files",
     "library/names.py:library_folder": "nothing",
