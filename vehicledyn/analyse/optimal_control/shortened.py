@@ -50,9 +50,10 @@ def solve_by_shortening(
         barrier=_BARRIER,
         kept_barrier=_BARRIER,
     )
+    whole = replace(settings, barrier=_BARRIER)
     spent, part, shortest = 0, _FIRST, lost
     duration = min(max((1.0 + _FIRST) * lost.duration, low), high)
-    is_begun = False
+    is_begun, last, tried = False, None, None
     while part >= _LEAST and duration >= low:
         found = solve_on_mesh(model.within((duration, high)), shortest, brief)
         spent += found.iterations
@@ -60,13 +61,20 @@ def solve_by_shortening(
             is_begun, shortest = True, found.trajectory
             if shortest.duration > (1.0 + _LONGER * part) * duration:
                 break
-        elif is_begun:
-            part *= 0.5
-        elif shortest is lost:
+        elif not is_begun and shortest is lost:
             shortest, duration = guess, guess.duration
             continue
-        else:
+        elif not is_begun:
             break
+        else:
+            part *= 0.5
+            if tried is not shortest:  # the optimum may be nearer than it is shorter
+                last, tried = solve_on_mesh(model, shortest, whole), shortest
+                spent += last.iterations
+                if not last.failure:
+                    break
         duration = shortest.duration * (1.0 - part)
-    last = solve_on_mesh(model, shortest, replace(settings, barrier=_BARRIER))
-    return replace(last, iterations=spent + last.iterations)
+    if last is None or tried is not shortest:
+        last = solve_on_mesh(model, shortest, whole)
+        spent += last.iterations
+    return replace(last, iterations=spent)
