@@ -1,5 +1,6 @@
 """Devices, FIFOs, sockets, folders and giants are refused by name, wherever a file is read."""
 
+import io
 import os
 import socket
 from pathlib import Path
@@ -8,12 +9,14 @@ import pytest
 from harness import Case, run
 from mechanism_cases import MEASURED, OUTLINE, STUDIES
 
+from vehicledyn.base.errors import InputError
 from vehicledyn.base.files.limits import (
     UnreadableFileError,
     check_regular,
     open_regular,
     read_regular,
 )
+from vehicledyn.results.hdf5 import opening
 
 pytestmark = pytest.mark.xdist_group("hostile")  # warmed up once
 
@@ -235,3 +238,18 @@ def test_missing_files(tmp_path):
     assert caught.value.words == "there is no such file"
     with pytest.raises(UnreadableFileError, match="cannot be read: embedded null"):
         check_regular(tmp_path / "no\0ne")
+
+
+def test_a_file_that_has_no_bytes_yet_is_no_result(tmp_path, monkeypatch):
+    """Such as /proc/kmsg, a regular file of which reading gives None instead of waiting."""
+
+    class Waiting(io.BytesIO):
+        def read(self, *_):
+            return None
+
+        def fileno(self):
+            return 0
+
+    monkeypatch.setattr(opening, "open_regular", lambda _path: Waiting())
+    with pytest.raises(InputError, match="is not an HDF5 file"):
+        opening.is_open_for_writing(tmp_path / "waiting.h5")

@@ -94,7 +94,7 @@ def _reason(output: Path, kind: str, facts: dict[str, str], goes_on_by: str) -> 
         return f"holds {held(found)}, not {held(kind)}"
     if kind in _STUDIES:
         return "holds a study; --resume goes on with it"
-    if facts["status"] in ("running", "interrupted"):
+    if facts["status"] in ("running", "interrupted") and facts["samples"] != "0":
         advice = f"; '{goes_on_by} {output}' goes on with it" if goes_on_by else ""
         return f"holds an unfinished run{advice}"
     return ""
@@ -107,6 +107,7 @@ def _facts(output: Path) -> dict[str, str]:
     try:
         with open_file(output) as file:
             names = ("format", "created", "title", "status")
-            return {name: str(file.attrs.get(name, "")) for name in names}
+            samples = str(len(file["time"])) if "time" in file else ""
+            return {name: str(file.attrs.get(name, "")) for name in names} | {"samples": samples}
     except (InputError, OSError, RuntimeError, KeyError, ValueError):
         return {}

@@ -55,6 +55,23 @@ duration: 1 s
 solver: {kind: rosenbrock, relative_tolerance: 1e-8, absolute_tolerance: 1e-8}
 output: {interval: 5 ms}
 """
+NET = """\
+title: Two points on rods
+constraint_method: multipliers
+bodies:
+  near: {at: [1 m, 0, 0], joints: [T1 x, T2 y, T3 z], mass: 1 kg}
+  far: {at: [1 m, 1 m, 0], joints: [T1 x, T2 y, T3 z], mass: 2 kg}
+cuts:
+  first: {kind: rod, a: ground, b: near, length: 1 m}
+  second: {kind: rod, a: near, b: far, length: 1 m}
+"""
+HANGING = """\
+title: Two points fall
+model: net.yaml
+duration: 1 s
+solver: {kind: rk4, step: 1 ms}
+output: {interval: 9 ms}
+"""
 ADAPTIVE = STIFF.replace("rosenbrock", "dop853")
 
 
@@ -62,6 +79,7 @@ def run(folder, text, output, *overrides, restart=None):
     path = folder / "scenario.yaml"
     path.write_text(text, encoding="utf-8")
     (folder / "ball.yaml").write_text(BALL, encoding="utf-8")
+    (folder / "net.yaml").write_text(NET, encoding="utf-8")
     for system in ("double_pendulum", "parallelogram"):
         shutil.copy(SYSTEMS / f"{system}.yaml", folder)
     loaded = load_scenario(path, overrides)
@@ -118,6 +136,16 @@ def test_a_run_in_two_pieces_is_that_in_one(tmp_path, text):
     if text == BOUNCING:
         with open_result(tmp_path / "second.h5") as result:
             assert len(result.events) > 3
+
+
+@pytest.mark.parametrize("interval", ["9 ms", "100 ms", "450 ms"])
+def test_a_run_with_multipliers_goes_on_from_where_it_was_projected(tmp_path, interval):
+    """Put back onto the constraints at other samples, the motion would be another one."""
+    sampled = HANGING.replace("9 ms", interval)
+    run(tmp_path, sampled, "whole.h5", "duration=1.8 s")
+    run(tmp_path, sampled, "first.h5", "duration=0.9 s")
+    run(tmp_path, sampled, "second.h5", "duration=1.8 s", restart="first.h5")
+    assert_same(tmp_path / "whole.h5", tmp_path / "second.h5")
 
 
 @pytest.mark.parametrize("text", [PLAIN, LOOPED, BOUNCING])

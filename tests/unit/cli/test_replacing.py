@@ -1,6 +1,7 @@
 """Verbs replace what they can compute again, and say so; everything else is kept."""
 
 import h5py
+import numpy as np
 import pytest
 
 from vehicledyn.base.errors import InputError
@@ -53,6 +54,19 @@ def test_everything_else_is_kept(result, found, wanted, status, words):
     with pytest.raises(InputError, match=f"{words}.*choose another output with -o, or use --over"):
         check_replacing(path, wanted)
     check_replacing(path, wanted, overwrite=True)
+
+
+def test_a_run_that_was_killed_before_its_first_sample_is_replaced(result):
+    """There is nothing to lose, and nothing that '--restart' could go on from."""
+    path = result(RUN, "running")
+    with h5py.File(path, "a") as file:
+        file["time"] = np.zeros(0)
+    check_replacing(path, RUN, goes_on_by="--restart")
+    with h5py.File(path, "a") as file:
+        del file["time"]
+        file["time"] = np.zeros(1)
+    with pytest.raises(InputError, match="holds an unfinished run"):
+        check_replacing(path, RUN, goes_on_by="--restart")
 
 
 def test_unfinished_runs_are_gone_on_with_where_the_verb_can(result):

@@ -75,7 +75,7 @@ def is_open_for_writing(path: Path) -> bool:
         If there is no such file, or it is not HDF5 or cut off.
     """
     with open_regular(path) as file:
-        start, size = file.read(superblock.SIZE), os.fstat(file.fileno()).st_size
+        start, size = file.read(superblock.SIZE) or b"", os.fstat(file.fileno()).st_size
     if not start.startswith(superblock.SIGNATURE):
         raise InputError(f"{path}: is not an HDF5 file; give a result of 'vehicledyn run'")
     if not superblock.is_open_with_readers(start):

@@ -23,6 +23,7 @@ from vehicledyn.analyses.simulation.partitions.singularity_crossing import Sampl
 from vehicledyn.analyses.simulation.run_plan import Point, RunPlan
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.integrate.accuracy.watched_run import DivergenceError
+from vehicledyn.integrate.course import Course
 from vehicledyn.integrate.task import Statistics, joined
 from vehicledyn.kernel.kernel import Kernel
 
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
 Vector = NDArray[np.float64]
 
 _LOOKS = 16
-"""Looks at a motion in a piece of it."""
+"""Most looks at a motion in a piece of it."""
 _STEPS = 20
 """Steps of a fixed size between looks."""
 _DEPENDENT = 1e-10
@@ -49,6 +50,7 @@ class ProjectedRun:
     kernel: Kernel
     plan: RunPlan
     make_watch: Callable[[], PartitionWatch]
+    course: Course | None = None
     _delivered: int = field(default=0, init=False)
     _parts: list[Statistics] = field(default_factory=list, init=False)
     _last: Sample | None = field(default=None, init=False)
@@ -67,24 +69,39 @@ class ProjectedRun:
         NumericalError
             If the integration cannot go on; constraints that become dependent are named.
         """
-        first, count = 0, self.plan.n_looks
+        first, count = self._first_look(), self.plan.n_looks
         self._is_first = not skip
         while True:
-            last = min(count, first + _LOOKS)
+            last = self._last_look(first)
             found = self._piece(first, last, state, unknowns)
             if found.ended_by or last >= count:
                 return replace(joined(self._parts), samples=self._delivered)
             first = last
             state, unknowns = self._projected()
 
+    def _first_look(self) -> int:
+        beginning = None if self.course is None else self.course.beginning
+        return 0 if beginning is None else self.plan.index(beginning.time)
+
+    def _last_look(self, first: int) -> int:
+        """Return the end of a piece; among those of a run are samples that it can go on from."""
+        group = self.plan.every * max(1, _LOOKS // self.plan.every)
+        return min(self.plan.n_looks, first + _LOOKS, (first // group + 1) * group)
+
+    def _note(self, begin: Point) -> None:
+        """Note where a piece begins if that is a sample: a run in one piece begins it there too."""
+        if self.course is not None and self.plan.is_wanted(begin.time):
+            self.course.note(begin.time, np.concatenate([begin.state, begin.unknowns]))
+
     def _piece(self, first: int, last: int, state: Vector, unknowns: Vector) -> Statistics:
         plan = self.plan
-        begin = plan.time(first)
+        point = Point(plan.time(first), state, unknowns)
+        self._note(point)
 
         def take(times: Vector, x: Vector, z: Vector, y: Vector) -> None:
             wanted = plan.is_wanted(times)
             if not self._is_first:
-                wanted &= times > begin + 0.5 * plan.interval
+                wanted &= times > point.time + 0.5 * plan.interval
             for k in range(len(times)):
                 self._look(times[k], x[k], z[k], y[k])
             self._delivered += int(wanted.sum())
@@ -94,7 +111,7 @@ class ProjectedRun:
         try:
             return plan.integrate(
                 self.kernel,
-                Point(begin, state, unknowns),
+                point,
                 plan.time(last),
                 sink=take,
                 parts=self._parts,
