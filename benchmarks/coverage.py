@@ -15,11 +15,11 @@ from scipy.stats import f as fisher
 
 import vehicledyn.catalogue  # noqa: F401 - registers models, tyres, solvers
 from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
+from vehicledyn.base.step_memory import Memory, Shelf
 from vehicledyn.interface.targets import read_scenario
 from vehicledyn.studies.identification import experiments
 from vehicledyn.studies.identification.experiments import Experiment, Fitting, Measured
 from vehicledyn.studies.identification.identify import identify_from
-from vehicledyn.studies.kept_runs import KeptRuns
 
 NOISE = 0.05
 
@@ -83,7 +83,7 @@ def main() -> None:
     study = MotionStudy.of(loaded, list(case.channels), quiet)
     experiments.MotionStudy.of = staticmethod(lambda *_, **__: study)  # prepared once for all
     Fitting.unconfirmed = lambda *_: []  # derivatives are not in doubt here
-    kept = KeptRuns(None, (), resume=False)  # all seeds begin with the same run
+    kept = Memory(Shelf())  # all seeds begin with the same run
     e, motion = study.prepared.equations, study.plain(quiet)
     pairs = zip(e.parameters, study.prepared.kernel.parameters, strict=True)
     values = {p.name: float(v) for p, v in pairs}

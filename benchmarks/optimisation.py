@@ -18,7 +18,8 @@ import numpy as np
 from scipy.optimize import minimize
 
 import vehicledyn.catalogue  # noqa: F401
-from vehicledyn.studies.kept_runs import KeptRuns
+from vehicledyn.base.step_memory import Memory
+from vehicledyn.results.hdf5.kept_work import KeptWork
 from vehicledyn.studies.optimisation.file import load_optimisation
 from vehicledyn.studies.optimisation.problem import Problem
 from vehicledyn.studies.optimisation.run import run_optimisation
@@ -41,7 +42,7 @@ class Plain:
 
     def __init__(self, name: str, goal: float, most: int) -> None:
         study = load_optimisation(FOLDER / f"{name}.yaml")
-        self.problem = Problem(study, KeptRuns(None, (), resume=False), quiet)
+        self.problem = Problem(study, Memory(), quiet)
         first = self.problem.values(self.problem.start)
         self.weights, self.start = study.weights, first.objective
         slopes = np.abs(first.jacobian * (self.problem.high - self.problem.low))
@@ -78,7 +79,7 @@ def with_gradients(name: str) -> tuple[int, float]:
     """Run a study, print what it came to, and return its runs and objective."""
     begun = time.perf_counter()
     study = load_optimisation(FOLDER / f"{name}.yaml")
-    report = run_optimisation(study, kept=None, resume=False, progress=quiet)
+    report = run_optimisation(study, kept=KeptWork(), progress=quiet)
     table = report.table
     best = float(np.min(table.objective[np.asarray(table.violation) <= 1e-5]))
     seconds = time.perf_counter() - begun
