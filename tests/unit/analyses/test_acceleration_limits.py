@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from vehicledyn.analyses.handling.acceleration_limits import POWER_SLIDE, acceleration_limits
-from vehicledyn.analyses.handling.steady_turn import FULL_THROTTLE, solver_for
+from vehicledyn.analyses.handling.acceleration_limits import acceleration_limits
+from vehicledyn.analyses.handling.steady_turn import FULL_THROTTLE, POWER_SLIDE, solver_for
 from vehicledyn.analyses.handling.tested_car import CONTROL, TestedCar
 from vehicledyn.interface.targets import read_target
 from vehicledyn.road.manoeuvres.driving_test import DrivingTest

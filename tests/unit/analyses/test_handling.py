@@ -8,7 +8,7 @@ from vehicledyn.analyses.handling.circle import constant_radius, constant_speed,
 from vehicledyn.analyses.handling.cornering_modes import CorneringModes
 from vehicledyn.analyses.handling.equal_curvature import gradients_on_circle
 from vehicledyn.analyses.handling.standard_tests import StandardTests
-from vehicledyn.analyses.handling.steady_turn import SteadyTurn, solver_for
+from vehicledyn.analyses.handling.steady_turn import POWER_SLIDE, SteadyTurn, solver_for
 from vehicledyn.analyses.handling.test_run import drive, figures_of
 from vehicledyn.analyses.handling.tested_car import CONTROL, TestedCar
 from vehicledyn.analyses.handling.turn_equations import Turn
@@ -158,6 +158,24 @@ def test_the_yaw_moment_vanishes_in_a_steady_turn(small_car):
     )
     assert abs(found.yaw_acceleration[0, 0]) < 1e-4
     assert found.lateral_acceleration[0, 0] == pytest.approx(4.0, rel=1e-3)
+
+
+def test_the_speed_that_is_held_is_that_along_the_path(small_car):
+    point = small_car.find(Turn(15.0, "curvature", 0.03), small_car.straight(15.0))
+    outputs = small_car.car.outputs(point)
+    ahead, aside = (outputs[f"body.{name}_speed"] for name in ("forward", "lateral"))
+    assert abs(aside) > 0.1
+    assert np.hypot(ahead, aside) == pytest.approx(15.0, rel=1e-9)
+    assert outputs["body.yaw_rate"] == pytest.approx(0.03 * 15.0, rel=1e-9)
+
+
+def test_steady_cornering_ends_where_a_power_slide_begins():
+    """Beyond, a wheel of the truck spins and its driver steers against the turn."""
+    solver = solver_of("off_road_truck")
+    for curve in (constant_speed(solver, 100.0 / 3.6), constant_radius(solver, 100.0)):
+        assert curve.reason == POWER_SLIDE
+        assert np.isnan(curve.limit)
+        assert curve.values["lateral_acceleration"][-1] == pytest.approx(6.4, abs=0.1)
 
 
 def test_a_turn_beyond_the_grip_is_refused_with_what_was_asked(small_car):
@@ -319,3 +337,13 @@ def test_figures_of_a_drive_that_rolls_over_are_left_out():
     assert tests._run("step_steer", step, 80.0 / 3.6, 4.5).ended_by
     assert not tests.figures
     assert "step_steer" in tests.sheets
+
+
+def test_a_car_that_rolls_over_has_tipped_up_whatever_its_chassis_is_called():
+    solver = solver_of("jeep")
+    tests = StandardTests(solver, lambda *_: None)
+    tests.fishhook(0.01)
+    found = {f.name: f.value for f in tests.figures}
+    assert any("chassis.overturned" in note for note in tests.notes)
+    assert found["tips_up"]
+    assert found["tip_up_speed"] == pytest.approx(45.0 * 0.44704)

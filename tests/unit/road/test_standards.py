@@ -79,8 +79,11 @@ def test_an_unsteady_start_and_a_lost_speed_are_reported_and_a_steady_test_is_no
     step = find("manoeuvre", "step_steer")(angle=0.1, begin=1.0, speed_control=control)
     turns = np.where(TIME > 1.0, 0.3, 0.0)
     assert step.conditions(signals(forward_speed=22.0 + 0.0 * TIME, yaw_rate=turns)) == []
+    jumps = np.where(TIME > 1.0 - 1e-9, 0.3, 0.0)
+    assert 1.0 in TIME.round(9)
+    assert step.conditions(signals(forward_speed=22.0 + 0.0 * TIME, yaw_rate=jumps)) == []
     (start,) = step.conditions(signals(forward_speed=22.0 + 0.0 * TIME, yaw_rate=0.1 * TIME))
-    assert "yaw rate changes by 2.865 deg/s in the 0.5 s before the input" in start
+    assert "yaw rate changes by 2.859 deg/s in the 0.5 s before the input" in start
     (speed,) = step.conditions(signals(forward_speed=22.0 - 0.5 * np.maximum(TIME - 1.0, 0.0)))
     assert "79.2 km/h by up to -34.2 km/h" in speed
     assert "by more than 2 km/h from t = 2.11 s on" in speed

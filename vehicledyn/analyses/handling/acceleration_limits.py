@@ -23,11 +23,6 @@ Vector = NDArray[np.float64]
 _FIRST_STEP, _SMALLEST_STEP = 0.5, 0.03
 _SMALLEST_ALONG = 0.05
 
-POWER_SLIDE = "power slide"
-
-_SPINNING = 0.2
-"""Longitudinal slip of a driven wheel beyond that of its largest force, in any tyre [1]."""
-
 
 @dataclass(frozen=True)
 class AccelerationLimits:
@@ -94,7 +89,7 @@ def _straight(
         start[0] + step,
         step=step,
         smallest=_SMALLEST_ALONG,
-        unwanted=solver.overdriven,
+        unwanted=solver.beyond_grip_or_drive,
     )
 
 
@@ -111,15 +106,5 @@ def _across(
         np.inf,
         step=_FIRST_STEP,
         smallest=_SMALLEST_STEP,
-        unwanted=lambda point: (
-            solver.overdriven(point) or (_slide(solver, point) if along > 0.0 else "")
-        ),
+        unwanted=solver.beyond_grip_or_drive,
     )
-
-
-def _slide(solver: SteadyTurn, point: CarPoint) -> str:
-    """Return that a wheel spins and the driver steers against the turn, which is to the left."""
-    car = solver.car
-    outputs = car.outputs(point)
-    slips = [outputs[f"{corner.name}.tyre.longitudinal_slip"] for corner in car.vehicle.corners]
-    return POWER_SLIDE if outputs["steering_angle.angle"] < 0.0 and max(slips) > _SPINNING else ""

@@ -76,7 +76,7 @@ class SteadyCurve:
 def constant_speed(
     solver: SteadyTurn, speed: float, *, last: float = np.inf, first: float = 0.0
 ) -> SteadyCurve:
-    """Return the turns at a forward speed [m/s] from a lateral acceleration to the limit [m/s²].
+    """Return the turns at a speed [m/s] from a lateral acceleration to the limit [m/s²].
 
     The limit is where the curve of turns comes back, to 0.01 m/s².
 
@@ -119,7 +119,7 @@ def constant_steering(solver: SteadyTurn, angle: float, *, last: float = np.inf)
     for before, after in pairwise(squares):
         start = float(before), found[-1]
         steps = {"step": _SQUARES, "smallest": _LEAST_SQUARE}
-        path = followed(solver, turn, start, after, **steps, unwanted=solver.overdriven)
+        path = followed(solver, turn, start, after, **steps, unwanted=solver.beyond_grip_or_drive)
         if path.end != "found":
             break
         found.append(path.points[-1])
@@ -139,7 +139,7 @@ def _followed(
 ) -> SteadyCurve:
     begin = first, solver.find(turn(first), start)
     steps = {"step": STEP, "smallest": _SMALLEST_STEP}
-    path = followed(solver, turn, begin, last, **steps, unwanted=solver.overdriven)
+    path = followed(solver, turn, begin, last, **steps, unwanted=solver.beyond_grip_or_drive)
     curve = curve_of(solver, method, path.points)
     limit = float(curve.values["lateral_acceleration"].max()) if path.is_limit else float("nan")
     return replace(curve, limit=limit, is_lost=path.is_lost, reason=path.reason)

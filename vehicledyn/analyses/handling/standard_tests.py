@@ -255,13 +255,13 @@ class StandardTests:
         self._run("trailer_sway", test, _MOTORWAY, 8.0)
 
     def _tip_up(self, name: str, test_at: Callable[[float], DrivingTest], duration: float) -> None:
-        tipped = math.nan
+        tipped, overturned = math.nan, f"{self.solver.car.vehicle.chassis}.overturned"
         for speed in ROLLOVER_SPEEDS:
             test = test_at(speed)
             run = self._drive(f"{name.replace('_', ' ')}, {speed / _MILE:g} mile/h", test, speed,
                               duration)  # fmt: skip
             figures = {f.name: f for f in figures_of(self.solver.car, name, run)}
-            if figures["two_wheel_lift"].value or run.ended_by == "body.overturned":
+            if figures["two_wheel_lift"].value or run.ended_by == overturned:
                 tipped = speed
                 break
         self.sheets[name] = sheet_of(run)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from vehicledyn.analyses.handling.acceleration_limits import POWER_SLIDE, acceleration_limits
+from vehicledyn.analyses.handling.acceleration_limits import acceleration_limits
 from vehicledyn.analyses.handling.circle import (
     QUANTITIES,
     SteadyCurve,
@@ -18,7 +18,12 @@ from vehicledyn.analyses.handling.circle import (
 )
 from vehicledyn.analyses.handling.cornering_modes import CorneringModes
 from vehicledyn.analyses.handling.equal_curvature import equal_curvature_figures
-from vehicledyn.analyses.handling.steady_turn import FULL_THROTTLE, SteadyTurn, solver_for
+from vehicledyn.analyses.handling.steady_turn import (
+    FULL_THROTTLE,
+    POWER_SLIDE,
+    SteadyTurn,
+    solver_for,
+)
 from vehicledyn.analyses.handling.test_run import Drive
 from vehicledyn.analyses.handling.tested_car import CONTROL, CarPoint, TestedCar
 from vehicledyn.analyses.handling.yaw_moment import yaw_moments
@@ -111,7 +116,7 @@ def steady_sheets(solver: SteadyTurn, wish: SteadyWish, progress: Progress) -> H
         if c.is_lost
     ]
     notes += [
-        f"{c.method}: ends at {c.values['lateral_acceleration'][-1]:.3g} m/s^2 at {c.reason}"
+        f"{c.method}: ends at {c.values['lateral_acceleration'][-1]:.3g} m/s^2, {_NOTED[c.reason]}"
         for c in curves.values()
         if c.reason
     ]
@@ -205,6 +210,11 @@ def _modes(solver: SteadyTurn, curve: SteadyCurve) -> tuple[Sheet, list[KeyFigur
 _ENDS = {
     POWER_SLIDE: "Whether a power slide with opposite lock begins",
     FULL_THROTTLE: "Whether the drive reaches full throttle",
+}
+
+_NOTED = {
+    POWER_SLIDE: "where a power slide with opposite lock begins",
+    FULL_THROTTLE: "at full throttle",
 }
 
 _UNSTABLE = 1e-3

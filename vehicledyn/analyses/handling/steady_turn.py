@@ -39,6 +39,10 @@ _TOUCH = 0.01
 
 _PRESSED, FULL_THROTTLE = 1.0 + 1e-6, "full throttle"
 
+_SPINNING, POWER_SLIDE = 0.2, "power slide"
+"""Longitudinal slip of a driven wheel beyond that of its largest force, in any tyre [1], and what
+that is where the driver steers against the turn."""
+
 LEAST_SIZE = 1e-3
 """Least size that an unknown is measured by."""
 
@@ -218,10 +222,14 @@ class SteadyTurn:
 
         return self.car.memory.recall("orientation", (turn, point), sign)
 
-    def overdriven(self, point: CarPoint) -> str:
-        """Return that a turn needs more than full throttle, empty if it does not."""
+    def beyond_grip_or_drive(self, point: CarPoint) -> str:
+        """Return that a left turn needs more than full throttle or is a power slide, else ""."""
         pedal = self.states.pedal
-        return FULL_THROTTLE if pedal is not None and point.state[pedal] > _PRESSED else ""
+        if pedal is not None and point.state[pedal] > _PRESSED:
+            return FULL_THROTTLE
+        outputs, corners = self.car.outputs(point), self.car.vehicle.corners
+        spin = max(outputs[f"{corner.name}.tyre.longitudinal_slip"] for corner in corners)
+        return POWER_SLIDE if outputs["steering_angle.angle"] < 0.0 and spin > _SPINNING else ""
 
     def unknowns(self, turn: Turn, point: CarPoint) -> Vector:
         """Return the unknowns of the search for a turn at a point, shape (n_unknowns,)."""

@@ -35,7 +35,7 @@ _DEMANDS = ("steering", "lateral_acceleration", "curvature", "sideslip")
 
 @dataclass(frozen=True)
 class Turn:
-    """A demand on a steady turn at a forward speed [m/s].
+    """A demand on a steady turn at a speed along the path [m/s].
 
     ``value`` is the steering angle [rad], the lateral acceleration r v [m/s²] or the curvature r/v
     of the path [1/m], as ``demand`` says. ``acceleration`` is that along the path [m/s²]: driven
@@ -77,7 +77,7 @@ class TurnEquations:
     def _slopes(self) -> LocalSlopes:
         """All rows that a turn may need and those of the loops, by all that may move.
 
-        In order: what is unbalanced, forward speed, one row for each of the demands, loops; by the
+        In order: what is unbalanced, speed, one row for each of the demands, loops; by the
         free states, angle, drive, brake torque, speed and acceleration that are asked for, and the
         algebraic unknowns.
         """
@@ -92,8 +92,8 @@ class TurnEquations:
         for k in s.rolling:
             unbalanced[k] -= growth * e.state[k]
         demands = angle, yaw_rate * path_speed, yaw_rate / path_speed, ops.atan2(aside, ahead)
-        rows = ops.stacked(unbalanced[s.balanced], ahead, *demands, e.residual)
-        named = {self._speed: speed, **dict.fromkeys(self._angle, angle)}
+        rows = ops.stacked(unbalanced[s.balanced], path_speed, *demands, e.residual)
+        named = {self._speed: ahead, **dict.fromkeys(self._angle, angle)}
         named |= dict.fromkeys(self._brake, brake)
         integral = drive
         changes = [(e.parameter[k], value) for k, value in named.items()]
@@ -129,7 +129,7 @@ class TurnEquations:
         s, car = self._states, self._car
         state, parameters = point.state.copy(), point.parameters.copy()
         state[s.free] = x[:-2]
-        parameters[self._speed] = turn.speed
+        parameters[self._speed] = state[s.motion[0]]
         parameters[self._angle] = x[-2]
         drive, braked = _split(turn, float(x[-1]))
         parameters[self._brake] = braked

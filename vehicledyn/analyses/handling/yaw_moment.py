@@ -53,7 +53,7 @@ def yaw_moments(
                 continue
             known[float(sideslip[row])] = point
             outputs = solver.car.outputs(point)
-            lateral[row, column] = outputs["body.yaw_rate"] * outputs["body.forward_speed"]
+            lateral[row, column] = outputs["body.yaw_rate"] * speed
             yaw[row, column] = solver.yaw_acceleration(point)
     return YawMoments(speed, sideslip, steering, lateral, yaw)
 

@@ -19,6 +19,9 @@ SPEED = 2.0 / 3.6
 WINDOW = 0.5
 """Time before the input in which the motion must be steady [s]."""
 
+_JUST = 1e-6
+"""How long before the input the last sample lies at least [s]."""
+
 _STEADY = (
     ("speed", "m/s", "speed", SPEED),
     ("yaw_rate", "rad/s", "yaw rate", math.radians(0.5)),
@@ -37,7 +40,8 @@ def start_remarks(signals: Signals, at: float) -> Iterator[str]:
     at
         When steering, brakes or wind begin [s].
     """
-    before = signals.between(at - WINDOW, at)
+    # A sample at the input itself may hold what a jump of it does at once.
+    before = signals.between(at - WINDOW, at - _JUST)
     for name, unit, text, most in _STEADY if len(before.time) > 1 else ():
         moved = float(np.ptp(getattr(before, name)))
         if moved > most:

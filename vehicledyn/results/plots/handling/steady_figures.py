@@ -49,7 +49,7 @@ def _handling(tables: Sequence[HandlingTable]) -> Figure:
     left, right = figure.subplots(1, 2)
     _over_acceleration(left, tables, ("steering_angle", "Steering-wheel angle", "deg", _DEGREES))
     _over_acceleration(right, tables, ("understeer_angle", "Understeer angle", "deg", _DEGREES))
-    left.legend(loc="upper left")
+    left.legend(loc="best")
     return figure
 
 

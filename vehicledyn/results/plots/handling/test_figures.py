@@ -6,6 +6,8 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from vehicledyn.results.plots.handling.steady_figures import new_figure, steady_figures
 from vehicledyn.results.plots.plot_style import LINE_STYLES, PALETTE, axis_label
 from vehicledyn.results.tables.handling_table import HandlingTable
@@ -44,6 +46,10 @@ _PANELS = (
 )
 _ASIDE = ("y", "Deviation from the path", "m", 1.0)
 _BRAKED = ("forward_speed", "Speed", "m/s", 1.0)
+_WAY = ("x", "Way", "m", 1.0)
+
+_DIGITS = 9
+"""Decimals that are drawn; what a symmetric car does aside is rounding."""
 
 
 def handling_figures(tables: Sequence[HandlingTable]) -> Iterator[tuple[str, Figure]]:
@@ -59,23 +65,29 @@ def handling_figures(tables: Sequence[HandlingTable]) -> Iterator[tuple[str, Fig
 
 
 def _test(tables: Sequence[HandlingTable], name: str, title: str) -> Figure:
-    figure = new_figure(tables, title, 0.62)
-    panels = list(_PANELS)
-    if "split" in name:
-        panels = [_BRAKED, *_PANELS[:2], _ASIDE]
-    elif "braking" in name:
-        panels[0] = _BRAKED
-    for axes, (signal, label, unit, scale) in zip(
-        figure.subplots(2, 2, sharex=True).flat, panels, strict=True
-    ):
+    panels = _panels(name)
+    figure = new_figure(tables, title, 0.62 if len(panels) > 2 else 0.4)
+    rows = len(panels) // 2
+    grid = figure.subplots(rows, 2, sharex=True, squeeze=False)
+    for axes, (signal, label, unit, scale) in zip(grid.flat, panels, strict=True):
         for table, style, colour in zip(tables, LINE_STYLES, PALETTE, strict=False):
             if name in table.sheets:
                 sheet = table.sheets[name]
-                axes.plot(sheet["time"].values, sheet[signal].values * scale, style, color=colour)
+                values = np.round(sheet[signal].values * scale, _DIGITS)
+                axes.plot(sheet["time"].values, values, style, color=colour)
         axes.set_ylabel(axis_label(label, unit))
-    for axes in figure.axes[2:]:
+    for axes in figure.axes[-2:]:
         axes.set_xlabel(axis_label("Time", "s"))
     return figure
+
+
+def _panels(name: str) -> list[tuple[str, str, str, float]]:
+    """Return the signals of a test that tell most of it: an even number, two to a row."""
+    if name == "coast_down":
+        return [_BRAKED, _WAY]
+    if "split" in name or name == "straight_braking":
+        return [_BRAKED, *_PANELS[:2], _ASIDE]
+    return [_BRAKED, *_PANELS[1:]] if "braking" in name else list(_PANELS)
 
 
 def _loops(tables: Sequence[HandlingTable]) -> Figure:
@@ -84,7 +96,8 @@ def _loops(tables: Sequence[HandlingTable]) -> Figure:
         for table, style, colour in zip(tables, LINE_STYLES, PALETTE, strict=False):
             if "weave" in table.sheets:
                 sheet = table.sheets["weave"]
-                later = sheet["time"].values > 0.5 * sheet["time"].values[-1]
+                time, moved = sheet["time"].values, np.flatnonzero(sheet["steering"].values)
+                later = (time > 0.5 * time[-1]) & (time <= time[moved[-1]])
                 across = sheet["steering"].values[later] * _DEGREES
                 axes.plot(across, sheet[signal].values[later] * scale, style, color=colour)
         axes.set_xlabel(axis_label("Steering-wheel angle", "deg"))
