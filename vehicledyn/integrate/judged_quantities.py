@@ -26,7 +26,7 @@ class EnergyBalance(NamedTuple):
     def distance(self, other: EnergyBalance) -> float:
         """Return how far the error is from that of a better run, as a part of what it exchanges."""
         with np.errstate(all="ignore"):
-            found = abs(self.error - other.error) / other.exchanged
+            found = np.divide(abs(self.error - other.error), other.exchanged)
         return float(found) if np.isfinite(found) else _unlike(self.error, other.error)
 
     @property

@@ -6,7 +6,7 @@ import pytest
 
 import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.analyses import run_scenario
-from vehicledyn.base.errors import InputError
+from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.files.scenario import load_scenario
 from vehicledyn.results.store.reader import open_result
 from vehicledyn.results.store.study_reader import open_study
@@ -107,6 +107,20 @@ def test_a_step_left_out_is_chosen_told_and_kept(tmp_path, scenario):
     for name, entry in given.summary.items():
         if isinstance(entry.value, float) and abs(entry.value) > 1e-3:
             assert outcome.summary[name].value == pytest.approx(entry.value, rel=0.02), name
+
+
+@pytest.mark.parametrize("interval", [1e-11, 1e-305, 1e-309])
+def test_intervals_may_be_as_short_as_numbers_are(tmp_path, interval):
+    """The pictures between them would be further apart than the integers go."""
+    overrides = (f"duration={4 * interval!r} s", f"output.interval={interval!r} s")
+    outcome = run(QUARTER_CAR, tmp_path / "a.h5", *overrides, "solver={kind: rk4}")
+    assert outcome.status == "ok"
+
+
+def test_a_chosen_step_that_would_never_come_to_a_sample_is_refused(tmp_path):
+    overrides = ("duration=1e12 s", "output.interval=1e12 s", "solver={kind: rk4}")
+    with pytest.raises(NumericalError, match=r"too short for the output interval of 1e\+12 s"):
+        run(QUARTER_CAR, tmp_path / "a.h5", *overrides)
 
 
 def test_other_methods_need_no_step_and_get_none(tmp_path):

@@ -25,6 +25,9 @@ Matrix = NDArray[np.float64]
 PICTURE_INTERVAL = 0.02
 """Least time between two pictures [s]."""
 
+_WIDEST = 10**12
+"""Most samples between two pictures, more than a run has; intervals may be as short as floats."""
+
 _ARC = "track_position"
 _STATION, _STATIONS, _BEYOND = 0.5, 6000, 30.0
 _MARGIN, _ROWS, _COLUMNS, _FINEST = 4.0, 1500, 21, 0.1
@@ -64,7 +67,7 @@ class Recorder:
         place = {name: index for index, name in enumerate(channels)}
         return cls(
             Stage(skeleton.bodies, look["shapes"]),
-            max(1, int(PICTURE_INTERVAL / interval * (1.0 + 1e-9))),
+            int(np.clip(PICTURE_INTERVAL / interval * (1.0 + 1e-9), 1, _WIDEST)),
             interval,
             skeleton,
             {name: place[name] for name in skeleton.coordinates},

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from vehicledyn.base.errors import NumericalError
+from vehicledyn.files.scenario.checks import MOST_SAMPLES
 from vehicledyn.integrate.accuracy.proposed_step import proposed_step
 
 if TYPE_CHECKING:
@@ -34,7 +35,7 @@ def with_step(solver: Any, kernel: Kernel, start: Point, interval: float) -> Any
     Raises
     ------
     NumericalError
-        If the motion near the start cannot be computed.
+        If the motion near the start cannot be computed, or needs too many steps.
     """
     if not leaves_step(solver):
         return solver
@@ -43,4 +44,10 @@ def with_step(solver: Any, kernel: Kernel, start: Point, interval: float) -> Any
         step = proposed_step(kernel, solver.fixed_method, point, interval)
     except NumericalError as error:
         raise NumericalError(f"no step can be chosen: {error}; give solver.step") from None
+    if interval > MOST_SAMPLES * step:
+        raise NumericalError(
+            f"no step can be chosen: the motion at the start needs one of {step:.3g} s, too short "
+            f"for the output interval of {interval:g} s; take a shorter interval, or give "
+            "solver.step"
+        )
     return solver.model_copy(update={"step": step})

@@ -17,7 +17,7 @@ _DURATION: Place = ("duration",)
 _INTERVAL: Place = ("output", "interval")
 _STEP: Place = ("solver", "step")
 _ROUNDING = 1e-9
-_MOST_SAMPLES = 1e8
+MOST_SAMPLES = 1e8
 
 
 def check_times(data: dict[str, Any], scenario: Scenario | None, sources: Sources) -> list[Problem]:
@@ -71,7 +71,7 @@ def _mismatches(
 def _sampling(duration: float, interval: float) -> Iterator[tuple[Place, str]]:
     if interval > duration * (1.0 + _ROUNDING):
         yield _INTERVAL, f"{interval:g} s is longer than the duration of {duration:g} s"
-    elif duration > _MOST_SAMPLES * interval:
+    elif duration > MOST_SAMPLES * interval:
         yield (
             _INTERVAL,
             f"{interval:g} s gives {duration / interval:.1e} samples; take a longer one",
@@ -83,7 +83,7 @@ def _sampling(duration: float, interval: float) -> Iterator[tuple[Place, str]]:
 
 
 def _stepping(interval: float, step: float) -> Iterator[str]:
-    if interval > _MOST_SAMPLES * step:
+    if interval > MOST_SAMPLES * step:
         yield f"{step:g} s is too short for the output interval of {interval:g} s"
     elif not _divides(step, interval):
         better = _dividing_step(interval, step)
