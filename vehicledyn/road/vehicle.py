@@ -96,7 +96,10 @@ class RoadVehicle:
 
     @property
     def articulation(self) -> str | None:
-        """The yaw coordinate of the first body behind the chassis on wheels of its own, if any."""
+        """The yaw coordinate of the first body behind the chassis on wheels of its own, if any.
+
+        Such a body turns on its coupling; one that also moves along an axis is an axle.
+        """
         parents = {body.name: body.parent for body in self.system.bodies}
         carried: Counter[str] = Counter()
         for corner in self.corners:
@@ -105,8 +108,10 @@ class RoadVehicle:
                 carried[name] += 1
                 name = parents[name]
         for body in self.system.bodies:
-            yaws = [j.name for j in body.joints if isinstance(j, Joint) and j.kind == "R3"]
-            if carried[body.name] > 1 and yaws:
+            joints = [joint for joint in body.joints if isinstance(joint, Joint)]
+            yaws = [joint.name for joint in joints if joint.kind == "R3"]
+            slides = any(joint.kind.startswith("T") for joint in joints)
+            if carried[body.name] > 1 and yaws and not slides:
                 return yaws[0]
         return None
 

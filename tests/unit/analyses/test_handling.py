@@ -13,6 +13,7 @@ from vehicledyn.analyses.handling.test_run import drive, figures_of
 from vehicledyn.analyses.handling.tested_car import CONTROL, TestedCar
 from vehicledyn.analyses.handling.turn_equations import Turn
 from vehicledyn.analyses.handling.yaw_moment import yaw_moments
+from vehicledyn.analyses.preparation.build_model import build_tested
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.interface.targets import read_target
 from vehicledyn.road.manoeuvres import frequency_test
@@ -326,7 +327,8 @@ def test_a_truck_is_tested_within_its_limits():
     assert abs(found["straight_braking", "heading_change"]) < 0.02
     assert any("wheels lock" in note for note in tests.notes)
     assert found["trailer_sway", "sway_damping_ratio"] > 0.0
-    assert all(" in place of " in note for note in tests.notes)
+    known = (" in place of ", "no stopping distance")
+    assert all(any(words in note for words in known) for note in tests.notes)
     assert not any("overturned" in note for note in tests.notes)
 
 
@@ -347,3 +349,25 @@ def test_a_car_that_rolls_over_has_tipped_up_whatever_its_chassis_is_called():
     assert any("chassis.overturned" in note for note in tests.notes)
     assert found["tips_up"]
     assert found["tip_up_speed"] == pytest.approx(45.0 * 0.44704)
+
+
+@pytest.mark.parametrize(
+    ("name", "angle"),
+    [
+        ("jeep", None),
+        ("small_car", None),
+        ("car_and_caravan", "caravan.body.yaw"),
+        ("car_and_trailer", "trailer.yaw"),
+        ("tractor_semitrailer", "trailer.yaw"),
+    ],
+)
+def test_a_trailer_turns_on_its_coupling_and_an_axle_is_none(name, angle):
+    assert build_tested(read_target(name), DrivingTest()).vehicle.articulation == angle
+
+
+def test_a_car_that_does_not_come_to_rest_has_no_stopping_distance_and_says_so(small_car):
+    tests = StandardTests(small_car, lambda *_: None)
+    braking = StraightBraking(speed_control=small_car.car.control, torque=2000.0)
+    tests._run("straight_braking", braking, 80.0 / 3.6, 2.0)
+    (note,) = tests.notes
+    assert "straight braking: no stopping distance: after 2 s the car still moves at" in note

@@ -20,6 +20,7 @@ def test_a_coast_down_shows_speed_and_way():
     drawn = figure_of("coast_down", forward_speed=30.0 - TIME, x=30.0 * TIME - 0.5 * TIME**2)
     assert [axes.get_ylabel() for axes in drawn.axes] == ["Speed [m/s]", "Way [m]"]
     assert drawn.axes[0].lines[0].get_ydata()[-1] == pytest.approx(20.0)
+    assert drawn.axes[0].get_ylim()[0] == 0.0
 
 
 def test_braking_on_the_straight_shows_the_deviation_and_no_angle_of_a_car_at_rest():
@@ -33,6 +34,6 @@ def test_rounding_of_a_symmetric_car_is_drawn_as_nothing():
 
 
 def test_the_loop_of_a_weave_ends_with_the_steering():
-    steering = np.where(TIME < 9.05, np.sin(2.0 * TIME), 0.0)
+    steering = np.where(TIME < 9.05, np.sin(2.0 * TIME), 1e-17)
     drawn = figure_of("weave", "weave_loops", steering=steering, yaw_rate=TIME)
     assert np.degrees(9.0) == pytest.approx(drawn.axes[0].lines[0].get_ydata().max())

@@ -282,7 +282,14 @@ class StandardTests:
     ) -> DrivenTest:
         run = self._drive(name.replace("_", " "), test, speed, duration, start)
         if not run.ended_by:
-            self.figures += figures_of(self.solver.car, name, run)
+            found = figures_of(self.solver.car, name, run)
+            self.figures += found
+            names = {figure.name for figure in found}
+            if "initial_speed" in names and "stopping_distance" not in names:
+                self.notes.append(
+                    f"{name.replace('_', ' ')}: no stopping distance: after {run.end:.3g} s the "
+                    f"car still moves at {run.signals.speed[-1]:.2g} m/s"
+                )
         self.sheets[name] = sheet_of(run)
         return run
 

@@ -76,6 +76,8 @@ def _test(tables: Sequence[HandlingTable], name: str, title: str) -> Figure:
                 values = np.round(sheet[signal].values * scale, _DIGITS)
                 axes.plot(sheet["time"].values, values, style, color=colour)
         axes.set_ylabel(axis_label(label, unit))
+        if name == "coast_down":
+            axes.set_ylim(bottom=0.0)
     for axes in figure.axes[-2:]:
         axes.set_xlabel(axis_label("Time", "s"))
     return figure
@@ -96,8 +98,8 @@ def _loops(tables: Sequence[HandlingTable]) -> Figure:
         for table, style, colour in zip(tables, LINE_STYLES, PALETTE, strict=False):
             if "weave" in table.sheets:
                 sheet = table.sheets["weave"]
-                time, moved = sheet["time"].values, np.flatnonzero(sheet["steering"].values)
-                later = (time > 0.5 * time[-1]) & (time <= time[moved[-1]])
+                time, moved = sheet["time"].values, np.round(sheet["steering"].values, _DIGITS)
+                later = (time > 0.5 * time[-1]) & (time <= time[np.flatnonzero(moved)[-1]])
                 across = sheet["steering"].values[later] * _DEGREES
                 axes.plot(across, sheet[signal].values[later] * scale, style, color=colour)
         axes.set_xlabel(axis_label("Steering-wheel angle", "deg"))
