@@ -63,6 +63,14 @@ def test_circles_with_fold_as_in_closed_form():
     assert radius(fold) == pytest.approx(math.sqrt(0.5), abs=1e-4)
 
 
+def test_cycles_of_a_linear_motion_are_no_limit_cycles():
+    """Without the cubic and quintic terms circles of every radius stand at mu = 0."""
+    _, branch = from_hopf(field(normal_form(0.0, 0.0), "mu"), -1.0, 1.0)
+    assert branch.ending == "linear"
+    assert "none of them is a limit cycle" in branch.remarks[-1]
+    assert radius(branch.points[-1]) < 1e6
+
+
 def test_amplitude_grows_as_the_root_and_unknowns_of_blocks_follow():
     """Supercritical: r = √μ, with r² found in a block, and a state that only travels set apart."""
     model = field(looped_normal_form(), "mu")

@@ -47,6 +47,8 @@ _CHORD = 7, 11
 """Iterations of a step that may grow and of one that must shrink, with derivatives kept."""
 
 _SHRUNK = 0.5
+_GROWN, _UNMOVED = 1e6, 1e-9
+"""Growth of a cycle while the parameter moves by less than a part of its range: it is linear."""
 
 
 def follow_cycles(
@@ -152,9 +154,25 @@ class _Tracer:
             if np.ptp(point.orbit.states, axis=0).max() < _SHRUNK * self.first_size:
                 self._end("equilibrium", "the cycle shrinks to an equilibrium")
                 break
+            if self._is_linear(point):
+                self._end("linear", "cycles of any amplitude stand at one value")
+                self.branch.remarks.append(
+                    f"cycles of any amplitude stand at {self.parameter} = "
+                    f"{point.orbit.parameter:.6g}: the motion is linear, nothing bounds it beyond "
+                    "and none of them is a limit cycle"
+                )
+                break
         else:
             self._end("points", f"{self.limits.points} points are found")
         self._tell_outside()
+
+    def _is_linear(self, point: CyclePoint) -> bool:
+        """Return whether cycles have grown out of all measure at one value of the parameter."""
+        size = float(np.ptp(point.orbit.states, axis=0).max())
+        if not 0.0 < _GROWN * self.first_size < size:
+            return False
+        way = abs(point.orbit.parameter - self.branch.points[0].orbit.parameter)
+        return way <= _UNMOVED * (self.limits.high - self.limits.low)
 
     def _passed_edge(self, base: CyclePoint, point: CyclePoint) -> float | None:
         """Return the end of the range that lies between two points, None where there is none."""

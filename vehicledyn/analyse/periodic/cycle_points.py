@@ -91,8 +91,9 @@ class Branch:
     """Points in the order they were found, special ones among them, and how it ended.
 
     ``ending`` is "range" (the parameter left it), "equilibrium" (the orbit shrank to one),
-    "points" or "lost"; ``reason`` says it in words. ``remarks`` name special points that are
-    known roughly only, and ways outside the range.
+    "linear" (cycles of any amplitude stand at one value), "points" or "lost"; ``reason`` says it
+    in words. ``remarks`` name special points that are known roughly only, ways outside the range,
+    and linear motions.
     """
 
     points: list[CyclePoint] = field(default_factory=list)
