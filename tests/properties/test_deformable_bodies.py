@@ -16,7 +16,7 @@ from vehicledyn.multibody import (
 from vehicledyn.multibody.bodies.modal_beam import ModalBeam
 from vehicledyn.multibody.elements.flexible.beam import Beam, Modes, Stiffness
 from vehicledyn.symbolic import rotations
-from vehicledyn.symbolic.counting import count_operations
+from vehicledyn.symbolic.shared import count_operations
 
 STIFFNESS = Stiffness(mass_per_length=2.0, y=50.0, z=30.0, twist=20.0, stretch=5e3, polar=0.1)
 THICK = Stiffness(

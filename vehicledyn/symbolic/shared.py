@@ -132,3 +132,14 @@ def known_function(name: str, symbols: Any, results: Any) -> Any:
     return _FUNCTIONS.get(
         full, lambda: casadi.Function(full, [symbols], [results], {"never_inline": True})
     )
+
+
+def count_operations(expression: Scalar) -> int:
+    """Return the number of different operations of an SX matrix, its symbols not counted.
+
+    Those of shared functions count at each call.
+    """
+    import casadi
+
+    written = inlined(expression)
+    return int(casadi.n_nodes(written)) - len(casadi.symvar(written))

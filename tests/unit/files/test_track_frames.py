@@ -19,7 +19,7 @@ from vehicledyn.files.system.read import read_system
 from vehicledyn.multibody import derive
 from vehicledyn.results.store.reader import open_result
 from vehicledyn.symbolic import ops
-from vehicledyn.symbolic.counting import count_operations
+from vehicledyn.symbolic.shared import count_operations
 
 RIDER = """\
 title: A mass on springs rides along a track

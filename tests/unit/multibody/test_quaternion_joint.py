@@ -31,7 +31,7 @@ from vehicledyn.multibody.equations.inverse_dynamics import derive_inverse
 from vehicledyn.multibody.loops.position_level import Positions
 from vehicledyn.multibody.recursion.numeric_kinematics import raw_skeleton, skeleton_from
 from vehicledyn.symbolic import ops
-from vehicledyn.symbolic.counting import count_operations
+from vehicledyn.symbolic.shared import count_operations
 
 MOMENTS = np.array([1.0, 2.0, 2.5])
 AT_REST = (1.0, 0.0, 0.0, 0.0)

@@ -20,11 +20,10 @@ import numpy as np
 from vehicledyn.codegen.passes.kernel_functions import KernelFunctions, as_written
 from vehicledyn.codegen.passes.linear_program import INVERSE, Index, Program, Weights, Writer
 from vehicledyn.symbolic import ops
-from vehicledyn.symbolic.counting import count_operations
 from vehicledyn.symbolic.elimination import Condensed, Rows, condense_symmetric
 from vehicledyn.symbolic.equations import Equations
 from vehicledyn.symbolic.motion_residuals import MotionResiduals
-from vehicledyn.symbolic.shared import inlined
+from vehicledyn.symbolic.shared import count_operations, inlined
 
 _MOST_OPERATIONS = 1.5
 """Operations of residuals, mass matrix and factors over those of the rates, up to which the former

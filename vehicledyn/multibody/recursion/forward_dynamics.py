@@ -22,10 +22,10 @@ from vehicledyn.multibody.recursion.newton_euler import inverse_dynamics, needed
 from vehicledyn.multibody.recursion.recast_tree import RecastTree
 from vehicledyn.multibody.recursion.reduction import independent_accelerations, reduced_mass
 from vehicledyn.symbolic import ops
-from vehicledyn.symbolic.counting import count_operations
 from vehicledyn.symbolic.elimination import Rows
 from vehicledyn.symbolic.ops import Scalar, Vec
 from vehicledyn.symbolic.parameters import ParameterTable
+from vehicledyn.symbolic.shared import count_operations
 from vehicledyn.symbolic.shared_steps import Steps, Writer, written_out
 
 Formulation: TypeAlias = Literal["auto", "composite", "articulated"]
