@@ -17,6 +17,7 @@ from vehicledyn.base.files.limits import (
     read_regular,
 )
 from vehicledyn.results.hdf5 import opening
+from vehicledyn.results.hdf5.output import check_output
 
 pytestmark = pytest.mark.xdist_group("hostile")  # warmed up once
 
@@ -253,3 +254,11 @@ def test_a_file_that_has_no_bytes_yet_is_no_result(tmp_path, monkeypatch):
     monkeypatch.setattr(opening, "open_regular", lambda _path: Waiting())
     with pytest.raises(InputError, match="is not an HDF5 file"):
         opening.is_open_for_writing(tmp_path / "waiting.h5")
+
+
+def test_an_output_without_bytes_is_replaced_unread(tmp_path, monkeypatch):
+    """A file of the system may hold none, and whoever reads it waits for the first."""
+    output = tmp_path / "out.h5"
+    output.touch()
+    monkeypatch.setattr(Path, "open", lambda *_: pytest.fail("it is read"))
+    assert check_output(output) == output

@@ -28,6 +28,7 @@ from vehicledyn.analyse.periodic.critical import find_balance, find_hopf, follow
 from vehicledyn.analyse.periodic.cycle_points import Branch, Limits
 from vehicledyn.analyse.periodic.cycles_at import cycle_at
 from vehicledyn.analyse.periodic.orbit_steps import Steps
+from vehicledyn.analyses.hunting.critical_values import lowest_stable
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.symbolic.equations import Event
 
@@ -69,6 +70,7 @@ def test_cycles_of_a_linear_motion_are_no_limit_cycles():
     assert branch.ending == "linear"
     assert "none of them is a limit cycle" in branch.remarks[-1]
     assert radius(branch.points[-1]) < 1e6
+    assert lowest_stable([branch], (-1.0, 1.0)) is None
 
 
 def test_amplitude_grows_as_the_root_and_unknowns_of_blocks_follow():

@@ -48,11 +48,13 @@ def lowest_stable(
     """Return the lowest value in a range with a stable cycle and what it is, None without one.
 
     A branch of stable cycles ends at a fold or at another change of stability, both between its
-    points; else the range or what was followed ends there.
+    points; else the range or what was followed ends there. Cycles of linear motions, which stand
+    beside each other at any amplitude, are no limit cycles.
     """
     stable = [
         (point.orbit.parameter, number, k)
         for number, branch in enumerate(branches, 1)
+        if branch.ending != "linear"
         for k, point in enumerate(branch.points)
         if point.stable and span[0] <= point.orbit.parameter <= span[1]
     ]
