@@ -67,7 +67,8 @@ class CurvatureStudy:
         study, kernel = self.study, self.study.prepared.kernel
         tangents = study.start_slopes(chosen) + chosen.by_state
         moved_p, moved_x = chosen.by_parameter @ direction, tangents @ direction
-        by_start, bent = tangents, np.zeros(tangents.shape)
+        by_start = tangents
+        bent = study.written.bent(kernel.parameters, moved_p) @ chosen.by_parameter
         balanced = study.balance()
         if balanced is not None:
             given = study.given_slopes(chosen)

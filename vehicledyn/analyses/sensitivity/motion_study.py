@@ -28,6 +28,7 @@ from vehicledyn.analyses.preparation.prepare import Point, set_speed, start_poin
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress
 from vehicledyn.analyses.sensitivity.names import START, Directions, Wanted
 from vehicledyn.analyses.sensitivity.pieces import Pieces
+from vehicledyn.analyses.sensitivity.written_starts import WrittenStarts
 from vehicledyn.analyses.simulation.partitions.partition_course import PartitionCourse, RunCourse
 from vehicledyn.analyses.simulation.partitions.steady_partition import SteadyPartition, Unsteady
 from vehicledyn.analyses.simulation.prepared_run import prepare_run
@@ -73,6 +74,7 @@ class MotionStudy:
     notes: list[str]
     course: PartitionCourse
     pieces: Pieces
+    written: WrittenStarts
     memory: Memory = field(default_factory=Memory)
     held: tuple[int, ...] = ()
     """States whose start is given, so that it does not follow the parameters."""
@@ -112,8 +114,19 @@ class MotionStudy:
         progress("deriving and compiling the tangents", None)
         code = TangentCode(prepared.equations, channels, back=back)
         course = PartitionCourse(prepared.subject.system, lambda: prepared.watch)
+        written = WrittenStarts(prepared, loaded.scenario.speed or 0.0)
         study = MotionStudy(
-            loaded, prepared, start, channels, code, grid, n_intervals, notes, course, Pieces()
+            loaded,
+            prepared,
+            start,
+            channels,
+            code,
+            grid,
+            n_intervals,
+            notes,
+            course,
+            Pieces(),
+            written,
         )
         study.memory = memory or study.memory
         kept = getattr(loaded.scenario.solver, "fixed_method", None) in _FIXED
@@ -159,7 +172,8 @@ class MotionStudy:
         kernel = self.prepared.kernel.with_parameters(parameters)
         prepared = replace(self.prepared, kernel=kernel)
         scenario = self.loaded.scenario
-        start = start_point(prepared, scenario.speed or 0.0, scenario.start)
+        begun = self.written.applied(prepared)
+        start = start_point(begun, scenario.speed or 0.0, scenario.start)
         states = [s.name for s in e.states]
         held = tuple(states.index(name) for name in given)
         if held:
@@ -261,7 +275,7 @@ class MotionStudy:
         return MotionSlopes(times, chosen, empty, state, np.zeros((n_x, 0)), [], "")
 
     def start_slopes(self, chosen: Directions) -> Floats:
-        """Return how the start follows the parameters; given states follow the speed alone."""
+        """Return how the start follows the parameters."""
         given, balanced = self.given_slopes(chosen), self.balance()
         if balanced is None:
             return given
@@ -290,10 +304,11 @@ class MotionStudy:
         return BalancedStart(balance, tuple(others), follows=kind == "steady")
 
     def given_slopes(self, chosen: Directions) -> Floats:
-        """Return how the given states follow the speed, in which they are linear."""
+        """Return how the given states follow the speed, in which they are linear, and others."""
         subject, e = self.prepared.subject, self.prepared.equations
         speed = self.loaded.scenario.speed or 0.0
-        slopes = np.zeros(chosen.by_state.shape)
+        parameters = self.prepared.kernel.parameters
+        slopes = self.written.slopes(parameters) @ chosen.by_parameter
         names = [p.name for p in e.parameters]
         if "speed" in names and "speed" in subject.parameters_at(speed or 1.0):
             faster = subject.start_state(e, speed + 1.0) - subject.start_state(e, speed)

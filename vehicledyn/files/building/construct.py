@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 from vehicledyn.base.errors import InputError, unknown_name
 from vehicledyn.base.parameters import ParameterSet
@@ -140,8 +141,19 @@ def _system(values: Values) -> System:
         parts=tuple(parts),
         gravity=values.value(file.gravity),
         constraint_method=file.constraint_method,
+        starts=_starts(values),
     )
     return _with_brought_starts(values, system)
+
+
+def _starts(values: Values) -> dict[str, Any]:
+    """Return the start values that follow from parameters, in symbols."""
+    file, given = values.model.file, dict[str, Any]()
+    for name, body in file.bodies.items():
+        for c in body.coordinates(name):
+            given[c.name] = c.start if c.type.has_position else c.start_rate
+            given[f"{c.name}_rate"] = c.start_rate
+    return {n: values.value(item) for n, item in {**given, **file.initial}.items() if item.names}
 
 
 def _drawn(values: Values) -> list[Part]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal, TypeAlias
 
@@ -51,6 +51,8 @@ class System:
     """Names of the bodies, cuts and constraints that parts brought."""
     surroundings: tuple[str, ...] = ()
     """Names of the parts that are no parts of the model but act on it, such as a driver."""
+    starts: Mapping[str, Scalar] = field(default_factory=dict, repr=False)
+    """Start values of coordinates, and of rates as NAME_rate, that follow from parameters."""
 
     def __post_init__(self) -> None:
         """Put what parts bring among the bodies, cuts and constraints."""
@@ -84,7 +86,9 @@ class System:
         for name in starts:
             if name not in known:
                 raise InputError(unknown_name("coordinate", name, known))
-        return replace(self, bodies=tuple(_restart(body, starts) for body in self.bodies))
+        bodies = tuple(_restart(body, starts) for body in self.bodies)
+        kept = {name: item for name, item in self.starts.items() if name not in starts}
+        return replace(self, bodies=bodies, starts=kept)
 
     def joints(self) -> list[Joint]:
         """Return all joints with a coordinate, in the order of the bodies."""

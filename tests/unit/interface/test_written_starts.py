@@ -1,0 +1,69 @@
+"""Start values written as expressions of parameters follow these in every study."""
+
+import pytest
+
+import vehicledyn as vd
+
+pytestmark = pytest.mark.usefixtures("needs_compiler")
+
+SYSTEM = """\
+title: A ball is thrown
+parameters:
+  height: {value: 0.5 m}
+  pace: {value: 2 m/s}
+  far: {value: 0.3 m}
+bodies:
+  ball:
+    joints:
+      - {kind: T1, name: x, start: far}
+      - {kind: T3, name: z, start: height}
+    mass: 0.3 kg
+initial: {ball.z_rate: pace**2 / (1 m/s), ball.x: 0.2 m}
+"""
+SCENARIO = """\
+title: A ball is thrown
+model: ball.yaml
+duration: 0.2 s
+solver: {kind: rk4, step: 10 ms}
+output: {interval: 10 ms}
+"""
+
+
+@pytest.fixture
+def run(tmp_path):
+    """Return the scenario of a ball whose height and pace at the start are parameters."""
+    (tmp_path / "ball.yaml").write_text(SYSTEM, encoding="utf-8")
+    path = tmp_path / "run.yaml"
+    path.write_text(SCENARIO, encoding="utf-8")
+    return path
+
+
+def test_the_start_moves_with_parameters(run):
+    """By height, pace and a place that ``initial`` overrides, z = h + p² t - g t² / 2."""
+    found = vd.sensitivity(run, ["final(ball.z)", "final(ball.x)"], ["height", "pace", "far"])
+    slopes = dict(zip(found["parameter"].values, found["figure_slope"].values.T, strict=True))
+    assert slopes["height"] == pytest.approx([1.0, 0.0], abs=1e-12)
+    assert slopes["pace"] == pytest.approx([2.0 * 2.0 * 0.2, 0.0], rel=1e-12)
+    assert slopes["far"] == pytest.approx([0.0, 0.0], abs=1e-12)
+
+
+def test_a_start_given_to_the_scenario_stays(run):
+    """It is written in place of the model's."""
+    given = {"initial.ball.z": "0.4 m"}
+    found = vd.sensitivity(run, "final(ball.z)", ["height", "pace"], set=given)
+    assert found["figure_slope"].values[0] == pytest.approx([0.0, 0.8], abs=1e-12)
+
+
+def test_second_derivatives_know_bent_starts(run):
+    """d²z/dp² = 2 t."""
+    found = vd.sensitivity(run, "final(ball.z)", ["height", "pace"], along={"pace": 1.0})
+    assert found["figure_curvature"].values[0] == pytest.approx([0.0, 0.4], abs=1e-12)
+
+
+def test_samples_of_studies_start_anew(run):
+    """The deviation of a height at the start is that of all heights."""
+    laws = {"height": {"kind": "normal", "mean": "0.5 m", "deviation": "10 mm"}}
+    of = run, "final(ball.z)", laws
+    sampled = vd.uncertainty(*of, method="sequence", number=32).found.deviation
+    assert vd.uncertainty(*of, method="first_order").found.deviation == pytest.approx([0.01])
+    assert sampled == pytest.approx([0.01], rel=0.2)

@@ -1,0 +1,89 @@
+"""Start values that a system writes as expressions of its parameters, with derivatives."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import cached_property
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.analyses.preparation.prepared import Prepared
+from vehicledyn.symbolic import ops
+from vehicledyn.symbolic.equations import Equations
+
+Floats = NDArray[np.float64]
+Evaluated: TypeAlias = Callable[..., Floats]
+
+
+class WrittenStarts:
+    """The start values of a model at a speed [m/s] that follow from parameters."""
+
+    def __init__(self, prepared: Prepared, speed: float) -> None:
+        self._equations, self._subject, self._speed = prepared.equations, prepared.subject, speed
+        names = [p.name for p in self._equations.parameters]
+        known = [p for p in self._subject.system.table.entries if p.name in names]
+        self._parameters = [names.index(p.name) for p in known]
+        self._symbols = ops.column([p.symbol for p in known])
+        written, places = self._subject.system.starts, dict[str, int]()
+        for k, state in enumerate(self._equations.states):
+            places[state.name] = k
+        own = [name for name in written if name in places]
+        self._states = [places[name] for name in own]
+        # Of dependent coordinates only rates are given: positions follow from the loops.
+        self._others = [name for name in written if name not in places]
+        self._starts = ops.column([written[name] for name in (*own, *self._others)])
+
+    def applied(self, prepared: Prepared) -> Prepared:
+        """Return the model, prepared with other parameters, with the start that they bring."""
+        if not self._subject.system.starts:
+            return prepared
+        values = self._values(prepared.kernel.parameters[self._parameters])[:, 0]
+        given = zip(self._others, map(float, values[len(self._states) :]), strict=True)
+        system = self._subject.system.with_starts(dict(given))
+        subject = self._subject.with_system(system)
+        return replace(prepared, equations=self._started(values), subject=subject)
+
+    def slopes(self, parameters: Floats) -> Floats:
+        """Return the derivatives of the start, shape (n_states, n_parameters)."""
+        return self._placed(self._slopes, parameters)
+
+    def bent(self, parameters: Floats, direction: Floats) -> Floats:
+        """Return how these change along a direction of the parameters, shape the same."""
+        return self._placed(self._bends, parameters, direction)
+
+    @cached_property
+    def _values(self) -> Evaluated:
+        return ops.numeric([self._symbols], self._starts)
+
+    @cached_property
+    def _slopes(self) -> Evaluated:
+        return ops.numeric([self._symbols], ops.jacobian(self._starts, self._symbols))
+
+    @cached_property
+    def _bends(self) -> Evaluated:
+        direction = ops.symbols("direction", len(self._parameters))
+        along = ops.jacobian(self._starts, self._symbols) @ direction
+        return ops.numeric([self._symbols, direction], ops.jacobian(along, self._symbols))
+
+    def _started(self, values: Sequence[float] | Floats) -> Equations:
+        """Return the equations with values of these starts."""
+        states = list(self._equations.states)
+        for k, value in zip(self._states, map(float, values), strict=False):
+            states[k] = replace(states[k], start=value)
+        return replace(self._equations, states=tuple(states))
+
+    def _placed(self, function: Evaluated, *at: Floats) -> Floats:
+        """Return derivatives of all states; those that the speed or the road gives stay."""
+        found = np.zeros((len(self._equations.states), len(at[0])))
+        if not self._states:
+            return found
+        higher = self._started([self._equations.states[k].start + 1.0 for k in self._states])
+        ends = [self._subject.start_state(item, self._speed) for item in (higher, self._equations)]
+        taken = (ends[0] - ends[1])[self._states, None]
+        places = np.ix_(self._states, self._parameters)
+        own = function(*(item[self._parameters] for item in at))[: len(self._states)]
+        found[places] = taken * own
+        return found
