@@ -1,8 +1,10 @@
 """Start values written as expressions of parameters follow these in every study."""
 
+import numpy as np
 import pytest
 
 import vehicledyn as vd
+from vehicledyn.base.errors import InputError
 
 pytestmark = pytest.mark.usefixtures("needs_compiler")
 
@@ -67,3 +69,50 @@ def test_samples_of_studies_start_anew(run):
     sampled = vd.uncertainty(*of, method="sequence", number=32).found.deviation
     assert vd.uncertainty(*of, method="first_order").found.deviation == pytest.approx([0.01])
     assert sampled == pytest.approx([0.01], rel=0.2)
+
+
+CRANK = """\
+title: A slider-crank given the speed of its slider
+parameters:
+  r: {value: 50 mm}
+  l: {value: 150 mm}
+  v: {value: 2 m/s}
+bodies:
+  crank:
+    joints: [{kind: R2, name: angle, role: independent, start: 40 deg}]
+    mass: 1 kg
+    inertia: [0, 4e-3 kg*m^2, 0]
+  coupler: {parent: crank, at: [r, 0, 0], joints: [{kind: R2, name: angle, start: -55 deg}]}
+  slider: {joints: [{kind: T1, name: position, start: r + l}], mass: 0.4 kg}
+cuts:
+  pin: {kind: ball, a: {body: coupler, point: [l, 0, 0]}, b: slider}
+initial: {slider.position_rate: -v}
+"""
+
+
+@pytest.fixture
+def turn(tmp_path):
+    """Return the scenario of a crank that turns as the rate of its slider wants."""
+    (tmp_path / "crank.yaml").write_text(CRANK, encoding="utf-8")
+    path = tmp_path / "turn.yaml"
+    path.write_text(SCENARIO.replace("ball.yaml", "crank.yaml"), encoding="utf-8")
+    return path
+
+
+def test_rates_given_to_dependent_coordinates_move_independent_ones(turn):
+    """The crank's rate is v / (r sin φ + r² sin φ cos φ / q), q² = l² - r² sin² φ."""
+
+    def rate(r, length, v):
+        s, c = np.sin(np.radians(40.0)), np.cos(np.radians(40.0))
+        return v / (r * s + r * r * s * c / np.sqrt(length**2 - (r * s) ** 2))
+
+    found = vd.sensitivity(turn, "initial(crank.angle_rate)", ["r", "l", "v"], duration="20 ms")
+    steps = 1e-30j * np.eye(3)
+    exact = [rate(*(np.array([0.05, 0.15, 2.0]) + step)).imag / 1e-30 for step in steps]
+    assert found["figure_slope"].values[0] == pytest.approx(exact, rel=1e-10)
+
+
+def test_second_derivatives_refuse_rates_given_to_dependent_coordinates(turn):
+    """They would leave out how the start bends."""
+    with pytest.raises(InputError, match=r"rate of 'slider\.position'"):
+        vd.sensitivity(turn, "final(crank.angle)", "r", along={"r": 1.0}, duration="20 ms")

@@ -41,7 +41,7 @@ class CurvatureStudy:
         Raises
         ------
         InputError
-            If the run has events or changes its dependent coordinates.
+            If the run has events, changes its dependent coordinates or is given their rates.
         """
         e = study.prepared.equations
         course = study.changes()
@@ -50,6 +50,12 @@ class CurvatureStudy:
             raise InputError(
                 f"second derivatives: the run of '{e.name}' {why}, which they do not follow; take "
                 "differences of its gradient"
+            )
+        if given := study.written.given_rates():
+            raise InputError(
+                f"second derivatives do not follow the given rate of '{given[0]}', which depends "
+                "on others; give the rates of independent coordinates, or take differences of the "
+                "gradient"
             )
         progress("deriving and compiling second derivatives", None)
         names = [c.name for c in e.channels]

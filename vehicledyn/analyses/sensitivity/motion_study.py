@@ -278,8 +278,11 @@ class MotionStudy:
         """Return how the start follows the parameters."""
         given, balanced = self.given_slopes(chosen), self.balance()
         if balanced is None:
-            return given
-        return balanced.slopes(self.code, chosen.by_parameter, given)
+            found = given
+        else:
+            found = balanced.slopes(self.code, chosen.by_parameter, given)
+        begun = self.written.applied(self.prepared)
+        return self.written.with_given_rates(begun, self.start, chosen.by_parameter, found)
 
     def balance(self) -> BalancedStart | None:
         """Return the equilibrium that the start is taken from, None where all of it is given."""

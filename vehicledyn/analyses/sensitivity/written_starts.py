@@ -10,7 +10,9 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.analyses.preparation.prepare import Point
 from vehicledyn.analyses.preparation.prepared import Prepared
+from vehicledyn.kernel.derivatives import Derivatives
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Equations
 
@@ -53,6 +55,50 @@ class WrittenStarts:
     def bent(self, parameters: Floats, direction: Floats) -> Floats:
         """Return how these change along a direction of the parameters, shape the same."""
         return self._placed(self._bends, parameters, direction)
+
+    def given_rates(self) -> list[str]:
+        """Return the dependent coordinates whose rates are given."""
+        e = self._equations
+        rates = {e.states[k].name for k in e.velocities}
+        followed = {c.name for c in e.channels} - rates
+        return [name for name in self._subject.given_rates if f"{name}_rate" in followed]
+
+    def with_given_rates(
+        self, prepared: Prepared, point: Point, by_parameter: Floats, slopes: Floats
+    ) -> Floats:
+        """Return derivatives of the start where rates of dependent coordinates are given.
+
+        Those rates stay, or follow what they are written as, so that independent ones follow.
+
+        Parameters
+        ----------
+        prepared
+            The model.
+        point
+            Its start.
+        by_parameter, slopes
+            Derivatives of the parameters, and of the start as if no such rate were given.
+        """
+        e, given = self._equations, prepared.subject.given_rates
+        rates = {e.states[k].name: k for k in e.velocities}
+        channels = {c.name: k for k, c in enumerate(e.channels)}
+        names = [f"{name}_rate" for name in self.given_rates()]
+        free = [k for name, k in rates.items() if name.removesuffix("_rate") not in given]
+        if not names or not free:
+            return slopes
+        held, parameters = slopes.copy(), prepared.kernel.parameters
+        held[free] = 0.0
+        at = prepared.subject.balance_time, point.state, point.unknowns, parameters
+        total = Derivatives(e, [p.name for p in e.parameters]).total(*at)
+        rows = [channels[name] for name in names]
+        moved = -total.outputs[rows] @ held - total.outputs_by_parameter[rows] @ by_parameter
+        own = self._slopes(parameters[self._parameters])[len(self._states) :]
+        for place, name in enumerate(names):
+            if name in self._others:
+                row = own[self._others.index(name)]
+                moved[place] += row @ by_parameter[self._parameters]
+        held[free] = np.linalg.lstsq(total.outputs[np.ix_(rows, free)], moved, rcond=1e-10)[0]
+        return held
 
     @cached_property
     def _values(self) -> Evaluated:
