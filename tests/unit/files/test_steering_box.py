@@ -37,6 +37,7 @@ def test_the_column_carries_spring_and_friction(tmp_path):
 @pytest.mark.long
 def test_the_truck_turns_less_where_the_column_yields(tmp_path):
     """Its hands hold the arc of the rim; the road pushes the wheels back against the column."""
+    assert (SYSTEMS / "steering_box.yaml").is_file()
     text = (SYSTEMS / "off_road_truck.yaml").read_text(encoding="utf-8")
     text = text.replace("file: pitman_steering.yaml", "file: steering_box.yaml")
     for name in ("link", "arm.length", "arm.pivot", "tilt"):

@@ -73,6 +73,6 @@ def test_a_drive_that_fails_is_reported(tmp_path):
     manoeuvre = prepare_manoeuvre(load_manoeuvre(tmp_path / "lap.yaml"), lambda *_: None)
     guess, trouble = first_guess(manoeuvre)
     assert trouble.startswith(
-        "warning: driving along the path to begin with failed: the vehicle was"
+        "warning: driving along the path to begin with failed: the vehicle is 20 m beside the path"
     )
     assert guess.n_intervals == 20

@@ -187,7 +187,9 @@ class Driver:
             place = (float(x[k]) for k in self._vehicle.place)
             gap, offset = self._curves.seen(self._on_lap(s), *place)
             if abs(float(offset)) > _FAR:
-                raise NumericalError(f"the vehicle is {_FAR:g} m beside the path after {s:.4g} m")
+                raise NumericalError(
+                    f"the vehicle is {_FAR:g} m beside the path at {s:.4g} m of it"
+                )
             s += float(gap)
         raise NumericalError(f"the vehicle came {s:.4g} m far in {most * _STEP:.4g} s")
 
