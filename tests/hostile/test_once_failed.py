@@ -723,3 +723,11 @@ def read_columns_of(text):
 
 def refuse():
     raise InputError("no slope")
+
+
+@pytest.mark.parametrize("field", ["curvature", "direction", "at"])
+def test_one_number_in_place_of_a_vector(field):
+    text = mechanism_cases.BEAM.replace("SECTION", mechanism_cases.SECTIONS[0])
+    text = text.replace("    frames:", f"    {field}: sin(1)\n    frames:", 1)
+    files = {"beam.yaml": text.encode()}
+    refused(Case("beam", files, ["validate", "beam.yaml"]), f"elements.rod.{field}: expected a vec")

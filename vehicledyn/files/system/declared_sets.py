@@ -193,7 +193,11 @@ def _function_of(
     """Return what an expression is worth, or a function where it depends on the motion."""
     variables = fact(type(item), field, "variables")
     if variables is None:
-        return value(given)
+        found = value(given)
+        declared = {f.name: f.metadata.get("declared") for f in fields(item.made_from)}
+        if declared[field] == "vector" and not isinstance(found, tuple | list):
+            raise InputError(f"{field}: expected a vector, found one number")
+        return found
     if variables == "time":
         return lambda time: value(given, time=time)
     from vehicledyn.files.system.sensors import motion_of
