@@ -731,3 +731,14 @@ def test_one_number_in_place_of_a_vector(field):
     text = text.replace("    frames:", f"    {field}: sin(1)\n    frames:", 1)
     files = {"beam.yaml": text.encode()}
     refused(Case("beam", files, ["validate", "beam.yaml"]), f"elements.rod.{field}: expected a vec")
+
+
+@pytest.mark.parametrize(
+    ("section", "words"),
+    [("MDI_HEADER", "it belongs in [LONGITUDINAL_COEFFICIENTS]"), ("UNITS", "no dimension named")],
+)
+def test_a_coefficient_among_the_heads_of_a_tyre_file(section, words):
+    text = road_file_cases.tyres()[1]
+    line = next(line for line in text.splitlines() if line.startswith("REX2"))
+    moved = text.replace(f"{line}\n", "").replace(f"[{section}]\n", f"[{section}]\n{line}\n")
+    refused(Case("tyre", {"a.tir": moved.encode()}, ["tyre", "a.tir"]), words)

@@ -138,6 +138,10 @@ def _version(entries: list[Entry], source: str, problems: list[Problem]) -> str:
         return "6.1"
 
 
+_HEADS = ("UNITS", "MDI_HEADER")
+"""Sections without coefficients."""
+
+
 def _numbers(
     entries: list[Entry], factors: dict[str, float], source: str, problems: list[Problem]
 ) -> tuple[dict[str, float], tuple[str, ...]]:
@@ -145,9 +149,12 @@ def _numbers(
     known, found, lines = coefficients(), {}, dict[str, Entry]()
     unknown = []
     for entry in entries:
-        if entry.section in ("UNITS", "MDI_HEADER"):
-            continue
         name = ALIASES.get(entry.name, entry.name)
+        if entry.section in _HEADS:
+            if name in known and entry.section == "MDI_HEADER":
+                words = f"stands in [{entry.section}]; it belongs in [{known[name].section}]"
+                problems.append(_problem(source, entry, words))
+            continue
         if name in lines:
             words = f"stands twice; it was given in line {lines[name].line}"
             problems.append(_problem(source, entry, words))
@@ -178,7 +185,8 @@ def _complete(
     found: dict[str, float], entries: list[Entry], source: str, problems: list[Problem]
 ) -> dict[str, float]:
     """Return the numbers with the defaults of those that the file leaves out."""
-    values, written = {}, {ALIASES.get(e.name, e.name) for e in entries}
+    values = {}
+    written = {ALIASES.get(e.name, e.name) for e in entries if e.section not in _HEADS}
     for name, coefficient in coefficients().items():
         if name in found:
             values[name] = found[name]
