@@ -4,7 +4,13 @@ import h5py
 import numpy as np
 import pytest
 
-from vehicledyn.results.store.animation_section import Pictures, Span, Surroundings, thinned
+from vehicledyn.results.store.animation_section import (
+    Pictures,
+    Span,
+    Surroundings,
+    read_animation,
+    thinned,
+)
 from vehicledyn.results.store.animation_stage import Stage
 from vehicledyn.results.store.layout import ResultHeader, SummaryEntry
 from vehicledyn.results.store.reader import open_result
@@ -92,3 +98,13 @@ def test_thinning():
     assert thinned(0, 5).tolist() == []
     assert thinned(4, 5).tolist() == [0, 1, 2, 3]
     assert thinned(1001, 3).tolist() == [0, 500, 1000]
+
+
+def test_times_that_are_not_in_the_file_are_not_read(tmp_path):
+    """A damaged size promises 8 TB, which no machine has."""
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        group = file.create_group("animation")
+        group["description"] = "{}"
+        group.create_dataset("picture_time", (10**12,), "f8", chunks=(1000,))
+        with pytest.raises(ValueError, match="picture_time is not in the file"):
+            read_animation(group, Span(10))

@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.results.store.animation_stage import Stage, read_stage
+from vehicledyn.results.store.consistency import require_stored
 from vehicledyn.results.store.layout import clean_text
 
 Array = NDArray[np.float64]
@@ -175,6 +176,7 @@ def picture_times(group: h5py.Group) -> h5py.Dataset:
 
 def read_animation(group: h5py.Group, span: Span) -> Animation:
     """Return the section with some of its pictures."""
+    require_stored(group)
     stage = read_stage(json.loads(group["description"].asstr()[()]))
     time = np.asarray(picture_times(group)[()], dtype=float)
     _check_sizes(group, len(time), len(stage.bodies))
