@@ -183,6 +183,7 @@ def test_integrals_of_lumped_masses():
         (({"root": 9}, 1), "has no node 9; the nearest number is 5"),
         (({"root": 1, "tip": [1, 2, 3]}, 1), "node 1 is also of 'root'; attach both to one"),
         ((FRAME, 13), "modes: 13 are more than are independent: .* has 12; give at most"),
+        ((FRAME, 10**16), "modes: 10000000000000000 are more than are independent"),
         (({"root": 1}, 0), "modes: the body has none and would be rigid"),
         ((FRAME, 1, "top"), "reference: 'top' is no interface; interfaces are root, tip, side"),
     ],

@@ -202,13 +202,14 @@ def _fixed_interface_basis(
     inner = np.setdiff1d(np.arange(size), [*boundary, *held])
     inside = stiffness[inner][:, inner].tocsc()
     _refuse_loose(whole, inside, inner)
+    normal = _normal_modes(mass[inner][:, inner], inside, modes) if modes else None
     basis = np.zeros((size, len(boundary) + modes))
     basis[boundary, range(len(boundary))] = 1.0
     if boundary and len(inner):
         right = stiffness[inner][:, boundary].toarray()
         basis[inner, : len(boundary)] = -splu(inside).solve(right)
-    if modes:
-        basis[inner, len(boundary) :] = _normal_modes(mass[inner][:, inner], inside, modes)
+    if normal is not None:
+        basis[inner, len(boundary) :] = normal
     return basis
 
 
