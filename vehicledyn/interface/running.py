@@ -54,7 +54,7 @@ class ResultPlace:
         Interrupted
             If the user stopped the analysis.
         NumericalError
-            If it has come to numbers that no result holds; nothing is kept then.
+            If its numbers are beyond what a result holds; nothing is kept then.
         """
         try:
             data = LabelledData(self.path, owned_folder=self._folder, report=report)

@@ -104,7 +104,7 @@ def sensitivity(
     if along is not None and (linear[0] or responses[0] or cycles[0] or kinematic[0]):
         raise InputError("along: second derivatives are those of figures of a run's channels")
     with result_place(save_to, may_exist=overwrite, resume=resume) as place:
-        told, at = reporter(progress), None if speed is None else speed_in_si(speed)
+        reported, at = reporter(progress), None if speed is None else speed_in_si(speed)
 
         def memory(target: Target, kinds: tuple[type, ...]) -> Memory:
             digests = digests_to_keep(place.kept, [target])
@@ -113,26 +113,26 @@ def sensitivity(
         if linear[0] or responses[0] or cycles[0]:
             target = read_target(scenario, changes)
             find, kinds = _finder(names[0])
-            table = find(target, names, patterns, at, told, memory=memory(target, kinds))
+            table = find(target, names, patterns, at, reported, memory=memory(target, kinds))
         elif kinematic[0]:
             from vehicledyn.analyses.sensitivity import kinematic_curves
 
             target = read_target(scenario, changes)
             known = memory(target, kinematic_curves.KINDS)
             table = kinematic_curves.find_kinematic_sensitivity(
-                target, names, patterns, told, memory=known
+                target, names, patterns, reported, memory=known
             )
         elif along is not None:
             from vehicledyn.analyses.sensitivity.curvature import find_curvature
 
             loaded = read_scenario(scenario, changes)
-            table = find_curvature(loaded, names, patterns, along, told)
+            table = find_curvature(loaded, names, patterns, along, reported)
         else:
             from vehicledyn.analyses.sensitivity import motion, motion_study
 
             loaded = read_scenario(scenario, changes)
             known = memory(loaded, motion_study.KINDS)
-            table = motion.find_motion_sensitivity(loaded, names, patterns, told, memory=known)
+            table = motion.find_motion_sensitivity(loaded, names, patterns, reported, memory=known)
         write_sensitivity(place.path, table)
         return place.value(SensitivityReport(table))
 

@@ -53,7 +53,7 @@ class TurnPath:
 
     ``end`` is "found" where the wanted value was reached, "limit" where the curve comes back behind
     the last turn, "unwanted" where the turns behind it are none of those looked for, for a
-    ``reason``, and "lost" where nothing tells.
+    ``reason``, and "lost" where nothing shows it.
     """
 
     values: list[float]

@@ -18,7 +18,7 @@ class TurnStates:
 
     ``motion`` are the velocities along x and y and the yaw rate; ``rolling`` the rates of wheels
     and shafts that turn, whose angles are named by ``turning``; ``further`` the states without
-    velocity that a balance tells. ``free`` are those that a search for a turn moves, ``balanced``
+    velocity that a balance determines. ``free`` are those that a search moves, ``balanced``
     those whose rates it balances. ``integral`` is that of the speed controller, ``pedal`` the one
     of the throttle, None where there is none. ``sticking`` names the states that a steady motion
     leaves as they are, as friction that sticks.
@@ -49,19 +49,19 @@ class TurnStates:
 def _determined(car: TestedCar, further: list[int], free: list[int]) -> list[int]:
     """Return the further states whose rates some free state changes.
 
-    Friction that sticks keeps whatever it has where nothing slides, so no balance tells it; it
+    Friction that sticks keeps whatever it has where nothing slides, so no balance determines it; it
     stays as at rest, in the middle of its hysteresis.
     """
     rest = car.standing
     car.kernel.set_parameters(rest.parameters)
     before, _ = car.rates(rest.state, rest.unknowns)
-    told = np.zeros(len(further), dtype=bool)
+    known = np.zeros(len(further), dtype=bool)
     for k in free:
         moved = rest.state.copy()
         moved[k] += _STEP
         after, _ = car.rates(moved, rest.unknowns)
-        told |= after[further] != before[further]
-    return [k for k, is_told in zip(further, told, strict=True) if is_told]
+        known |= after[further] != before[further]
+    return [k for k, is_known in zip(further, known, strict=True) if is_known]
 
 
 def _turns_freely(car: TestedCar, position: int) -> bool:

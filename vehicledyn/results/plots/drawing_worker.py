@@ -27,7 +27,7 @@ def main() -> None:
     request = sys.stdin.readline()
     if not request:
         return
-    # The process that the user sees draws again what is warned of, and tells of it.
+    # The process that the user sees draws again what is warned of, and shows the warning.
     warnings.simplefilter("error", RuntimeWarning)
     path, folder = map(Path, json.loads(request))
     sys.stdout.write(f"{_draw(path, folder)}\n")
