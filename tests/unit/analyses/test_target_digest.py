@@ -2,12 +2,11 @@
 
 from pathlib import Path
 
-import vehicledyn as vd
 import vehicledyn.catalogue
 from vehicledyn.analyses.preparation.target_digest import target_digest
 from vehicledyn.files.scenario import load_model, load_scenario
 
-SYSTEMS = Path(vd.__file__).parents[1] / "systems"
+SYSTEMS = Path(__file__).parents[3] / "systems"
 
 
 def test_values_of_models_count():
