@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-import vehicledyn.catalogue
+import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.analyses.preparation.target_digest import target_digest
 from vehicledyn.files.scenario import load_model, load_scenario
 
