@@ -1,13 +1,17 @@
 """A wheel that leaves the data of a road file is named with the time."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
+from crg_files import crg
 
 from vehicledyn.road.manoeuvres.channel_recorder import Rows
 from vehicledyn.road.manoeuvres.road_data import RoadDataWatch
+from vehicledyn.road.surfaces.enveloped import Enveloped
 from vehicledyn.road.surfaces.flat import Flat
 from vehicledyn.road.surfaces.heightfield import Heightfield
+from vehicledyn.road.surfaces.opencrg import OpenCrgRoad
 
 TIME = np.linspace(0.0, 1.0, 11)
 
@@ -40,3 +44,49 @@ def test_ground_without_an_end_is_not_watched():
     watch = watch_on(Flat())
     assert watch.channels == []
     assert watch.entries() == []
+
+
+def gapped(tmp_path):
+    """A level road of 30 m with one missing height at u = 10 m, v = 0.5 m, filled by 1 m beside."""
+    heights = np.zeros((31, 7))
+    heights[:, 4] = 1.0
+    heights[10, 5] = np.nan
+    file = tmp_path / "gap.crg"
+    file.write_bytes(crg(heights, places=np.linspace(-1.5, 1.5, 7) - 0.5))
+    return OpenCrgRoad(file=str(file))
+
+
+def test_a_wheel_on_missing_heights_is_named_with_time_and_place(tmp_path):
+    watch = watch_on(gapped(tmp_path))
+    x, y = 20.0 * TIME, {"left": 0.6, "right": -0.2}
+    channels = {
+        f"{wheel}.contact_{axis}": x if axis == "x" else np.full(11, y[wheel])
+        for wheel in y
+        for axis in "xy"
+    }
+    for part in (slice(0, 4), slice(4, 11)):
+        watch.take(Rows(TIME[part], {name: values[part] for name, values in channels.items()}))
+    (entry,) = watch.entries()
+    assert (entry.name, entry.value, entry.unit) == ("road_data_missing_at", TIME[5], "s")
+    assert entry.description.endswith("filled: u = 10 m, v = 0.6 m")
+    assert "left rolls" in entry.description
+
+
+def test_heights_that_rest_on_a_missing_one_are_those_that_move_with_it(tmp_path):
+    road = gapped(tmp_path).ground().road
+    x, y = np.random.default_rng(2).uniform((8.0, -1.9), (12.0, 0.9), (400, 2)).T
+    heights = road.heights.copy()
+    heights[10, 5] += 1.0
+    moves = abs(replace(road, heights=heights).height_at(x, y) - road.height_at(x, y)) > 1e-12
+    assert moves.any()
+    assert np.array_equal(road.lacks(x, y), moves)
+
+
+def test_missing_heights_are_counted_with_the_first_place(tmp_path):
+    assert "gap.crg: 1 of 217 height is missing, the first at u = 10 m, v = 0.5 m" in (
+        gapped(tmp_path).gaps()
+    )
+    assert (
+        Enveloped(road=gapped(tmp_path), cam_length=0.3, cam_height=0.3).gaps()
+        == gapped(tmp_path).gaps()
+    )

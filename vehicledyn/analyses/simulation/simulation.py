@@ -32,6 +32,7 @@ from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_wa
 from vehicledyn.analyses.simulation.partitions.singular_turns import SingularTurns
 from vehicledyn.analyses.simulation.prepared_run import prepare_run
 from vehicledyn.analyses.simulation.restart import SINGULAR_ANGLES, Restart, open_restart
+from vehicledyn.analyses.simulation.road_gaps import road_gaps
 from vehicledyn.analyses.simulation.run_outcome import RunOutcome, shown_entry
 from vehicledyn.analyses.simulation.run_recording import RunRecording
 from vehicledyn.analyses.simulation.standing_wheels import standing_wheels
@@ -125,6 +126,7 @@ def run_scenario(
     notes.extend(kinked_drives(prepared.subject, loaded.scenario.duration))
     notes.extend(mended_profiles(loaded))
     notes.extend(steep_roads(loaded))
+    notes.extend(road_gaps(loaded))
     turns = SingularTurns.of(prepared.subject.system, prepared.equations)
     needed = needed_channels(prepared)
     run = _Run(loaded, prepared, kept, needed, described, recorder, notes, turns, solver)

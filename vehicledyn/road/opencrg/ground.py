@@ -59,7 +59,9 @@ class CrgGround:
         heights = exact.height(nodes[:, None], np.clip(road.v, *road.edges)[None, :])
         if np.isnan(heights).any():
             raise InputError(
-                "the road has gaps (missing heights); close them with the modifier grid_nan_mode"
+                f"{road.gaps() or 'the road has heights that are no number'}; measure them, or "
+                "fill them with the modifier grid_nan_mode in $ROAD_CRG_MODS: 1 for zero, 2 for "
+                "the height of the neighbour towards the middle"
             )
         rounding = ROUNDING if self.smooth else 0.0
         start, step = road.line.start, road.line.step

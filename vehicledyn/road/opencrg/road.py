@@ -69,6 +69,8 @@ class CrgRoad:
         What lies beyond the grid.
     is_even
         Whether long sections are numbered: a repeated border then repeats the bank too.
+    missing
+        Where the file has no height, shape (n_u, n_v), or None; heights may be filled there.
     """
 
     line: ReferenceLine
@@ -80,6 +82,7 @@ class CrgRoad:
     lift: float
     borders: Borders
     is_even: bool
+    missing: Flags | None = None
 
     @staticmethod
     def read(
@@ -152,6 +155,37 @@ class CrgRoad:
         across = (v >= right) & (v <= left)
         across |= np.bool_(of.v in goes_on)
         return np.asarray(along & across)
+
+    def lacks(self, x: Array | float, y: Array | float) -> Flags:
+        """Return whether heights of places [m] rest on one that the file does not have.
+
+        A place counts where it lies on the grid and one of the nodes whose heights are
+        interpolated there, with a share above zero, is missing.
+        """
+        u, v = self.road_place(x, y)
+        if self.missing is None:
+            return np.zeros(np.shape(u), dtype=bool)
+        u = self.line.wrapped(u) if self.line.closed else u
+        index, part = self._cross_section(np.clip(u, self.line.start, self.line.stop))
+        column, share, _, _ = self._long_section(np.clip(v, *self.edges))
+        near, far = (
+            (self.missing[index + i, column] & (share < 1.0))
+            | (self.missing[index + i, column + 1] & (share > 0.0))
+            for i in (0, 1)
+        )
+        return np.asarray((near & (part < 1.0)) | (far & (part > 0.0)))
+
+    def gaps(self) -> str:
+        """Return how many heights the file lacks and where the first is; empty for none."""
+        if self.missing is None:
+            return ""
+        row, column = np.argwhere(self.missing)[0]
+        count, u = int(self.missing.sum()), self.line.start + row * self.line.step
+        words = "height is" if count == 1 else "heights are"
+        return (
+            f"{count} of {self.missing.size} {words} missing, the first at "
+            f"u = {u:.6g} m, v = {self.v[column]:.6g} m"
+        )
 
     def height_at(self, x: Array | float, y: Array | float) -> Array:
         """Return heights [m] of places in the world [m]; NaN where the road has none."""
@@ -235,6 +269,7 @@ def road_of(data: CrgData, modifiers: dict[str, float]) -> CrgRoad:
         If modifiers or options contradict each other.
     """
     _check(data, modifiers)
+    missing = np.isnan(data.heights)
     changed = scaled(data, modifiers)
     heights = reference_heights(changed)
     banks = [changed.setting(f"reference_line_{end}_b") for end in ("start", "end")]
@@ -251,6 +286,7 @@ def road_of(data: CrgData, modifiers: dict[str, float]) -> CrgRoad:
         0.0,
         _borders(data.options),
         changed.is_even,
+        missing if missing.any() else None,
     )
     return _moved(road, modifiers)
 

@@ -120,6 +120,14 @@ class Enveloped(RoadSurface):
         """Return whether the road below has data at places."""
         return self.road.covers(x, y)
 
+    def lacks(self, x: Array, y: Array) -> NDArray[np.bool_]:
+        """Return whether heights of the road below are made up for missing ones."""
+        return self.road.lacks(x, y)
+
+    def gaps(self) -> str:
+        """Return how many heights the road below lacks; empty for none."""
+        return self.road.gaps()
+
     def _ends(self) -> tuple[float, float, Any]:
         """Return where the cams roll: first and last place along, and the lines across."""
         import numpy as np

@@ -20,6 +20,11 @@ if TYPE_CHECKING:
     from vehicledyn.road.opencrg.ground import CrgGround
     from vehicledyn.road.surfaces.surface import Array
 
+_FILLED = (
+    "each is filled with the height of its neighbour towards the middle, or as grid_nan_mode in "
+    "$ROAD_CRG_MODS says; the summary names the first wheel that rolls there"
+)
+
 
 @register("road", "opencrg")
 class OpenCrgRoad(FileSurface):
@@ -71,6 +76,16 @@ class OpenCrgRoad(FileSurface):
         """Return whether places lie on the grid, or where its borders repeat it."""
         found: NDArray[np.bool_] = self.ground().road.covers(x, y)
         return found
+
+    def lacks(self, x: Array, y: Array) -> NDArray[np.bool_]:
+        """Return whether heights at places are filled for ones that the file does not have."""
+        found: NDArray[np.bool_] = self.ground().road.lacks(x, y)
+        return found
+
+    def gaps(self) -> str:
+        """Return how many heights the file lacks, where the first is, and that it is filled."""
+        words: str = self.ground().road.gaps()
+        return words and f"{self.file}: {words}; {_FILLED}"
 
     def settings(self) -> tuple[str, str]:
         """Return where the world begins, and the interpolation."""

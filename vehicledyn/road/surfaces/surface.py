@@ -98,6 +98,16 @@ class RoadSurface(ParameterSet):
 
         return np.ones(np.shape(x), dtype=bool)
 
+    def lacks(self, x: Array, y: Array) -> NDArray[np.bool_]:
+        """Return whether heights at places [m, m] are made up for missing ones, shape (n,)."""
+        import numpy as np
+
+        return np.zeros(np.shape(x), dtype=bool)
+
+    def gaps(self) -> str:
+        """Return how many heights of the file are missing and what fills them; empty for none."""
+        return ""
+
     def friction(self, x: Scalar, y: Scalar) -> Scalar:
         """Return the friction at a place over that of the tyres' own road [1]."""
         return friction_at(self.patches, x, y)
