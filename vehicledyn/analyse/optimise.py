@@ -20,6 +20,12 @@ Floats = NDArray[np.float64]
 _ACTIVE = 1e-5
 """Distance of a constraint or bound to its limit, scaled, within which it is active."""
 
+_STATIONARY = 1e-5
+"""Optimality below which a point is an optimum, however the search ended."""
+
+_NEAR = 1e-6
+"""Part of the squares of what is missed that the last step towards the constraints may gain."""
+
 _LAST_STEP = 1e-12
 """Relative step and scaled gradient at which a search of least squares ends."""
 
@@ -53,7 +59,7 @@ class Optimum:
     ``variables`` (n,) in SI with the :class:`Values` there; ``optimality`` is the largest part of
     the scaled gradient that no active constraint or bound takes, ``violation`` the largest scaled
     one; ``multipliers`` (m,) are zero where a constraint is not active; ``n_runs`` counts
-    evaluations, ``failures`` those that came to nothing.
+    evaluations, ``failures`` those that came to nothing. ``message`` says how the search ended.
     """
 
     variables: Floats
@@ -67,6 +73,11 @@ class Optimum:
     message: str
     history: list[tuple[Floats, float, float]] = field(default_factory=list)
 
+    @property
+    def is_feasible(self) -> bool:
+        """Whether all constraints are kept."""
+        return self.violation <= _ACTIVE
+
 
 def optimise(
     evaluate: Callable[[Floats], Values],
@@ -78,6 +89,9 @@ def optimise(
     method: str = "slsqp",
 ) -> Optimum:
     """Return where an objective is least within bounds and constraints.
+
+    Where the search comes to no point that keeps all constraints, the squares of what they are
+    missed by are made least: either the search goes on from there, or no such point is near.
 
     Parameters
     ----------
@@ -108,16 +122,38 @@ def optimise(
     search = _Search(evaluate, bounds, most_runs)
     scaled = (start - bounds[0]) / search.width
     first = search.at(scaled)
-    try:
+
+    def sought(begin: Floats) -> str:
         if method == "ipopt":
-            message = _by_ipopt(search, scaled, tolerance, most_runs)
-        elif first.residuals is not None and not len(first.constraints):
-            message = _by_least_squares(search, scaled, tolerance)
-        else:
-            message = _by_slsqp(search, scaled, tolerance, most_runs)
+            return _by_ipopt(search, begin, tolerance, most_runs)
+        if first.residuals is not None and not len(first.constraints):
+            return _by_least_squares(search, begin, tolerance)
+        return _by_slsqp(search, begin, tolerance, most_runs)
+
+    stopped = f"stopped after {most_runs} runs"
+    try:
+        message = sought(scaled)
     except _EnoughError:
-        message = f"stopped after {most_runs} runs"
-    return search.best(message or "converged")
+        message = stopped
+    if search.is_feasible:
+        return search.best(message)
+    search.approach()
+    try:
+        nearest = _least_missed(search, search.nearest)
+        message = sought(nearest) if search.is_feasible else message
+    except _EnoughError:
+        message = stopped
+    return search.best(message)
+
+
+_ENDS = {
+    8: "no step gains anything, though the point is not stationary; figures may have corners",
+    9: "it took the most iterations allowed",
+}
+"""What SLSQP's ends mean, by its own numbers."""
+
+_NO_WAY = "it found no way on from linear constraints that exclude each other"
+_VAGUE = "steps gain nothing any more, though the point is not stationary"
 
 
 def _by_slsqp(search: _Search, start: Floats, tolerance: float, most: int) -> str:
@@ -132,7 +168,7 @@ def _by_slsqp(search: _Search, start: Floats, tolerance: float, most: int) -> st
         method="SLSQP",
         options={"ftol": tolerance, "maxiter": most},
     )
-    return "" if found.success else str(found.message)
+    return "" if found.success else _ENDS.get(int(found.status), _NO_WAY)
 
 
 def _by_ipopt(search: _Search, start: Floats, tolerance: float, most: int) -> str:
@@ -154,18 +190,30 @@ def _by_ipopt(search: _Search, start: Floats, tolerance: float, most: int) -> st
 
 
 def _by_least_squares(search: _Search, start: Floats, tolerance: float) -> str:
+    return _squared(search.residuals, start, tolerance)[1]
+
+
+def _least_missed(search: _Search, start: Floats) -> Floats:
+    """Return where the squares of what constraints are missed by are least, near a start."""
+    return _squared(search.missed, start, _NEAR)[0]
+
+
+def _squared(
+    residuals: Callable[[Floats], tuple[Floats, Floats]], start: Floats, tolerance: float
+) -> tuple[Floats, str]:
+    """Return where a sum of squares is least, and how the search ended if not well."""
     from scipy.optimize import least_squares
 
     found = least_squares(
-        lambda x: search.residuals(x)[0],
+        lambda x: residuals(x)[0],
         start,
-        jac=lambda x: search.residuals(x)[1],
+        jac=lambda x: residuals(x)[1],
         bounds=(0.0, 1.0),
         xtol=_LAST_STEP,
         ftol=tolerance,
         gtol=_LAST_STEP,
     )
-    return "" if found.success else str(found.message)
+    return np.asarray(found.x, dtype=float), "" if found.success else _VAGUE
 
 
 class _EnoughError(Exception):
@@ -179,6 +227,7 @@ class _Search:
         self, evaluate: Callable[[Floats], Values], bounds: tuple[Floats, Floats], most: int
     ) -> None:
         self._evaluate, self._most = evaluate, most
+        self._is_approaching = False
         self._low, self.width = bounds[0], bounds[1] - bounds[0]
         self._known: dict[bytes, Values] = {}
         self._points: list[tuple[Floats, Values]] = []
@@ -190,10 +239,18 @@ class _Search:
         x = np.clip(x, 0.0, 1.0)
         key = x.tobytes()
         if key not in self._known:
-            if len(self._known) >= self._most:
+            if len(self._known) >= self._allowed():
                 raise _EnoughError
             self._known[key] = self._new(x)
         return self._known[key]
+
+    def approach(self) -> None:
+        """Spend on the way to the constraints what was saved for it."""
+        self._is_approaching = True
+
+    def _allowed(self) -> int:
+        """Return how many runs may be taken: half of them while no point keeps the constraints."""
+        return self._most if self._is_approaching or self.is_feasible else (self._most + 1) // 2
 
     def _new(self, x: Floats) -> Values:
         point = self._low + self.width * x
@@ -235,6 +292,22 @@ class _Search:
         assert found.residual_slopes is not None
         return found.residuals / size, found.residual_slopes * self.width / size
 
+    def missed(self, x: Floats) -> tuple[Floats, Floats]:
+        """Return by how much scaled constraints are missed, zero where kept, and the gradients."""
+        _, _, constraints, rows = self.scaled(x)
+        is_missed = constraints < 0.0
+        return np.where(is_missed, -constraints, 0.0), np.where(is_missed[:, None], -rows, 0.0)
+
+    @property
+    def nearest(self) -> Floats:
+        """The known point with the least squares of what constraints are missed by."""
+        return min(self._points, key=self._squares)[0]
+
+    @property
+    def is_feasible(self) -> bool:
+        """Whether a known point keeps all constraints."""
+        return any(self._violation(found) <= _ACTIVE for _, found in self._points)
+
     @property
     def constraints(self) -> list[dict[str, object]]:
         """Constraints as scipy takes them."""
@@ -248,6 +321,10 @@ class _Search:
             }
         ]
 
+    def _squares(self, item: tuple[Floats, Values]) -> float:
+        """Return the squares of what scaled constraints are missed by."""
+        return float(np.sum(np.minimum(item[1].constraints / self._scales, 0.0) ** 2))
+
     def _violation(self, found: Values) -> float:
         return float(np.max(-found.constraints / self._scales, initial=0.0))
 
@@ -257,9 +334,10 @@ class _Search:
         if allowed:
             x, found = min(allowed, key=lambda item: item[1].objective)
         else:
-            x, found = min(self._points, key=lambda item: self._violation(item[1]))
-            message = f"no point keeps all constraints; {message}"
+            x, found = min(self._points, key=self._squares)
         optimality, multipliers, at_bound = self._stationarity(x, found)
+        if allowed and optimality <= _STATIONARY:
+            message = ""
         history = [
             (self._low + self.width * x, item.objective, self._violation(item))
             for x, item in self._points
@@ -273,7 +351,7 @@ class _Search:
             at_bound,
             len(self._known),
             self.failures,
-            message,
+            message or "converged",
             history,
         )
 

@@ -37,13 +37,15 @@ def optimise(
     resume
         Whether to go on with what a killed or stopped analysis left beside ``save_to``.
     system_file
-        Where to write the system with the values found, as a system file; None for nowhere.
+        Where to write the system with the values found, as a system file; None for nowhere. Values
+        that do not keep the constraints are not written.
 
     Returns
     -------
     LabelledData
         ``variable_best`` over variable, ``figure_best`` and ``figure_slope`` there, and the runs:
-        ``point``, ``objective``, ``violation``.
+        ``point``, ``objective``, ``violation``. Its status is "infeasible" where no point was found
+        that keeps all constraints; ``status_message`` names those that are missed, and by how much.
 
     Raises
     ------
@@ -61,6 +63,6 @@ def optimise(
     with result_place(save_to, may_exist=overwrite, resume=resume) as place:
         report = run_optimisation(loaded, kept=place.kept, progress=reporter(progress))
         write_optimum(place.path, report.table)
-        if model is not None and system_file is not None:
+        if model is not None and system_file is not None and not report.missed:
             write_found_system(system_file, model, report.as_dict()["set"])
         return place.value(report)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 import vehicledyn
+from vehicledyn.cli.exit_codes import code_of_result
 from vehicledyn.cli.finding import find_file
 from vehicledyn.cli.options import Json, Overrides
 from vehicledyn.cli.performing import perform, show
@@ -123,7 +124,7 @@ class _Files:
         as_json: bool,
         **more: Any,
     ) -> None:
-        """Conduct the study, draw its figures and print its report."""
+        """Conduct the study, draw its figures and print its report; leave with its exit code."""
         from vehicledyn.files.scenario.overrides import read_overrides
 
         path = find_file(self.study, "study")
@@ -140,3 +141,4 @@ class _Files:
             **more,
         )
         show(data, as_json=as_json, plots=self.plots)
+        raise typer.Exit(code_of_result(data))

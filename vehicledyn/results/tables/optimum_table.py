@@ -45,7 +45,8 @@ class OptimumTable:
     ``variables`` with ``low``, ``high``, ``start`` and ``best`` (n,); ``figures`` with values at
     the start and the optimum ``figure_values`` (2, m) and ``figure_slopes`` (m, n) there; the runs
     with ``points`` (n_runs, n), ``objective`` and ``violation`` (n_runs,); ``front`` the best
-    compromises with a second figure.
+    compromises with a second figure. ``status`` is "ok", or "infeasible" where a constraint is not
+    kept, of which ``message`` tells.
     """
 
     title: str
@@ -66,6 +67,7 @@ class OptimumTable:
     notes: tuple[str, ...]
     front: tuple[FrontPoint, ...] = ()
     front_figure: Quantity | None = None
+    status: str = "ok"
 
 
 def write_optimum(path: Path, table: OptimumTable) -> None:
@@ -79,6 +81,7 @@ def write_optimum(path: Path, table: OptimumTable) -> None:
     head = {
         "title": table.title,
         "model": "",
+        "status": table.status,
         "message": table.message,
         "optimality": table.optimality,
         "runs": table.n_runs,
@@ -186,6 +189,7 @@ def describe_optimum(path: Path) -> dict[str, Any]:
         return {
             "holds": "an optimum",
             "title": str(file.attrs["title"]),
+            "status": str(file.attrs.get("status", "ok")),
             "message": str(file.attrs["message"]),
             "optimality": f"{float(file.attrs['optimality']):.2g}",
             "runs": int(file.attrs["runs"]),

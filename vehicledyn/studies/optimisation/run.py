@@ -1,4 +1,4 @@
-"""Run an optimisation study, and report what it came to."""
+"""Run an optimisation study."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import itertools
 import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -24,96 +24,9 @@ from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.results.tables.optimum_table import FrontPoint, OptimumTable
 from vehicledyn.studies.optimisation.file import Limit, OptimisationStudy
 from vehicledyn.studies.optimisation.problem import Problem
+from vehicledyn.studies.optimisation.report import INFEASIBLE, KEPT, Missed, OptimumReport
 
 Floats = NDArray[np.float64]
-
-_KEPT = 1e-5
-"""Scaled violation up to which constraints are kept."""
-
-
-@dataclass(frozen=True)
-class OptimumReport:
-    """An optimum for people and programs."""
-
-    table: OptimumTable
-    limits: list[tuple[str, float, float]]
-    multipliers: list[float]
-    at_bound: list[int]
-    rank: tuple[bool, float] = (False, 0.0)
-    """Whether a constraint is not kept, and the objective."""
-
-    @property
-    def messages(self) -> tuple[str, ...]:
-        """Remarks."""
-        return self.table.notes
-
-    def as_text(self) -> str:
-        """Return variables, figures and how stationary the point is."""
-        table = self.table
-        lines = [f"{table.title}: {table.message}"]
-        lines.append(f"  {table.n_runs} runs with gradients; optimality {table.optimality:.2g}")
-        for k, item in enumerate(table.variables):
-            bound = "  at its bound" if k in self.at_bound else ""
-            start, best = (shown(float(v[k]), item.unit) for v in (table.start, table.best))
-            lines.append(f"  {item.name}: {start} -> {best}{bound}")
-        for k, item in enumerate(table.figures):
-            start, best = (shown(float(v[k]), item.unit) for v in table.figure_values)
-            lines.append(f"  {item.name}: {start} -> {best}")
-        for (name, sign, value), weight in zip(self.limits, self.multipliers, strict=True):
-            if weight:
-                words = "at least" if sign > 0.0 else "at most"
-                lines.append(
-                    f"  active: {name} {words} {value:g}; relaxing it by 1 gains {weight:.4g}"
-                )
-        if table.front and table.front_figure is not None:
-            lines.append(f"  front: objective, {table.front_figure.name}, optimality, runs")
-            lines += [
-                f"    {item.objective:.6g}  {shown(item.figure, table.front_figure.unit)}"
-                f"  {item.optimality:.1g}  {item.n_runs}"
-                + ("" if item.violation <= _KEPT else "  constraints not kept")
-                for item in table.front
-            ]
-        return "\n".join([*lines, *table.notes])
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return everything as plain data, in SI."""
-        table = self.table
-        return {
-            "title": table.title,
-            "message": table.message,
-            "runs": table.n_runs,
-            "optimality": table.optimality,
-            "variables": {
-                item.name: {"start": float(table.start[k]), "best": float(table.best[k])}
-                for k, item in enumerate(table.variables)
-            },
-            "set": {
-                f"parameters.{item.name}": f"{float(table.best[k])!r} {item.unit}".removesuffix(
-                    " 1"
-                )
-                for k, item in enumerate(table.variables)
-            },
-            "figures": {
-                item.name: {"start": float(first), "best": float(last)}
-                for item, first, last in zip(table.figures, *table.figure_values, strict=True)
-            },
-            "active": [
-                name
-                for (name, _, _), weight in zip(self.limits, self.multipliers, strict=True)
-                if weight
-            ],
-            "front": [
-                {
-                    "objective": item.objective,
-                    "figure": item.figure,
-                    "optimality": item.optimality,
-                    "kept": item.violation <= _KEPT,
-                    "variables": item.variables.tolist(),
-                }
-                for item in table.front
-            ],
-            "notes": list(table.notes),
-        }
 
 
 def run_optimisation(
@@ -159,8 +72,8 @@ def run_optimisation(
     if not choice:
         return best
     for name, report in found:
-        objective, kept_all = report.rank[1], "" if not report.rank[0] else "; constraints not kept"
-        count = f"{report.table.n_runs} runs; {report.table.message}{kept_all}"
+        objective = report.rank[1]
+        count = f"{report.table.n_runs} runs; {report.table.message}"
         notes.append(f"{name}: objective {objective:.6g} in {count}")
     notes.append(f"best choice: {choice}")
     n_runs = sum(report.table.n_runs for _, report in found)
@@ -188,8 +101,45 @@ def _optimum(
     ]
     table = _table(study, problem, found, (first.values, last.values), last.slopes)
     table = replace(table, front=front, notes=(*notes, *table.notes))
-    rank = (found.violation > _KEPT, found.values.objective)
-    return OptimumReport(table, limits, found.multipliers.tolist(), found.at_bound, rank)
+    missed = () if found.is_feasible else _missed(problem, found)
+    if missed:
+        words = "; ".join(item.as_text() for item in missed)
+        table = replace(table, status="infeasible", message=f"{INFEASIBLE} ({words})")
+        table = replace(table, notes=(*table.notes, _advice(study, problem, found)))
+    rank = _rank(problem, found)
+    return OptimumReport(table, limits, found.multipliers.tolist(), found.at_bound, rank, missed)
+
+
+def _missed(problem: Problem, found: Optimum) -> tuple[Missed, ...]:
+    """Return the constraints that an optimum does not keep, those kept to rounding aside."""
+    return tuple(
+        Missed(name, problem.units.get(name, "1"), sign > 0.0, limit, -float(value))
+        for (name, sign, limit), value in zip(
+            problem.limits(), found.values.constraints, strict=True
+        )
+        if value < -KEPT * (abs(limit) or 1.0)
+    )
+
+
+def _rank(problem: Problem, found: Optimum) -> tuple[float, float]:
+    """Return what makes one optimum better than another: constraints first, then the objective."""
+    sizes = np.array([abs(limit) or 1.0 for _, _, limit in problem.limits()])
+    missed = float(np.max(-found.values.constraints / sizes, initial=0.0))
+    return 0.0 if found.is_feasible else missed, found.values.objective
+
+
+def _advice(study: OptimisationStudy, problem: Problem, found: Optimum) -> str:
+    """Return what to do where no point keeps all constraints."""
+    steps = []
+    if found.n_runs >= study.most_runs:
+        steps.append(f"allow more than {study.most_runs} runs (most_runs)")
+    steps.append("loosen what is missed, by that much or more")
+    if found.at_bound:
+        names = [f"'{problem.variables[k].name}'" for k in found.at_bound]
+        steps.append(f"widen the bounds of {', '.join(names)}")
+    if study.starts == 1:
+        steps.append("search from several points (starts: 8) in case others keep them")
+    return f"the values are those that miss least; {', or '.join(steps)}"
 
 
 def _search(
@@ -242,9 +192,10 @@ def _search_all(
             notes.append(f"start {number}: no motion: {item}")
         else:
             end = f"{item.values.objective:.6g} in {item.n_runs} runs"
-            notes.append(f"start {number}: objective {end}; {item.message}")
+            words = item.message if item.is_feasible else INFEASIBLE
+            notes.append(f"start {number}: objective {end}; {words}")
     optima = [item for item in found if isinstance(item, Optimum)]
-    best = min(optima, key=lambda item: (item.violation > _KEPT, item.values.objective))
+    best = min(optima, key=lambda item: _rank(problem, item))
     n_runs = sum(item.n_runs for item in optima)
     history = [row for item in optima for row in item.history]
     return replace(best, n_runs=n_runs, history=history), notes
@@ -317,6 +268,9 @@ def _table(
 ) -> OptimumTable:
     names = problem.figures
     notes = [f"a run failed: {reason}" for reason in found.failures]
+    was_stopped = found.n_runs >= study.most_runs
+    if found.is_feasible and found.message != "converged" and not was_stopped:
+        notes.append(f"warning: the search has not converged: {found.message}")
     if problem.n_known:
         notes.append(f"{problem.n_known} runs were known from before")
     points, objective, violation = zip(*found.history, strict=True)
