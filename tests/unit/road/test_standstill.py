@@ -12,6 +12,10 @@ from test_tyres import EXAMPLES, tyre
 from test_wheel import GRAVITY, LOADED, MASS, RADIUS, RELAXED, SPIN_INERTIA, STIFFNESS, Rig
 
 from vehicledyn.road.surfaces.plane import Plane
+from vehicledyn.road.tyres.linear import Linear
+from vehicledyn.road.tyres.tyre import RelaxationLengths
+from vehicledyn.road.wheel.relaxation import Relaxation, transient_slip
+from vehicledyn.road.wheel.slip import WheelMotion
 
 pytestmark = pytest.mark.long
 
@@ -87,3 +91,40 @@ def test_a_wheel_rolls_up_a_slope_stops_and_rolls_back(kind, relaxation):
     assert wanted < -1.0
     assert state[rig["x_rate"]] / cosine == pytest.approx(wanted, abs=0.02)
     assert state[rig["spin_rate"]] * rolling == pytest.approx(wanted, abs=0.02)
+
+
+@pytest.mark.parametrize("speed", [0.2, 1.0, -1.0, 2.0])
+def test_slip_in_steady_rolling_is_exact_at_low_speed(speed):
+    """The damper feels the rate of the deflection only: κ' = -v_sx/|v_x|, tan α' = v_y/|v_x|."""
+    motion = WheelMotion(speed, 0.03 * abs(speed), 1.04 * speed / RADIUS, RADIUS)
+    slip, tangent = -motion.sliding / abs(speed), 0.03
+    bent = slip * RELAXED.longitudinal, tangent * RELAXED.lateral
+    found = transient_slip(motion, RELAXED, *bent)
+    assert found.longitudinal_rate == pytest.approx(0.0, abs=1e-14)
+    assert found.longitudinal_slip == pytest.approx(slip, rel=1e-12)
+    assert np.tan(found.slip_angle) == pytest.approx(tangent, rel=1e-12)
+
+
+def test_a_carcass_takes_up_energy_at_any_speed():
+    """Power on the patch less that which the spring stores is never negative; F = C κ'."""
+    drawn = np.random.default_rng(4)
+    for _ in range(500):
+        length, speed = drawn.uniform(0.05, 1.0), drawn.uniform(-4.0, 4.0)
+        motion = WheelMotion(speed, 0.0, drawn.uniform(-20.0, 20.0), RADIUS)
+        deflection = drawn.uniform(-0.3, 0.3) * length
+        found = transient_slip(motion, RelaxationLengths(length, length), deflection, 0.0)
+        power = -found.longitudinal_slip * motion.sliding
+        stored = deflection * found.longitudinal_rate / length
+        assert float(power - stored) > -1e-12
+
+
+@pytest.mark.parametrize("length", [0.1, 0.6])
+def test_a_car_that_has_stopped_rocks_twice_at_most(length):
+    """Locked wheels of 400 kg and 100 kN of slip stiffness: of 0.1 m/s 1 mm/s is left after 1 s."""
+    law = Linear(
+        nominal_load=4e3, longitudinal_stiffness=1e5, cornering_stiffness=5e4, friction=0.9
+    )
+    relaxation = Relaxation(longitudinal=length, lateral=0.4)
+    rig = Rig(locked=True, turning=False, relaxation=relaxation, tyre=law, damping=3e3)
+    state = rig.run(rig.state(z=LOADED, x_rate=0.1), 1.0)
+    assert abs(state[rig["x_rate"]]) < 1e-3

@@ -9,8 +9,9 @@ standstill the deflections are springs: locked wheels hold a car on a slope with
 
 With ``turning`` the patch is twisted, too (:mod:`vehicledyn.road.wheel.turning`).
 
-Below LOW_SPEED two terms fade in. Damping, κ' = (u - τ v_sx)/σ_κ, settles a car that comes to
-rest. A leak takes off what exceeds HOLDING_SLIP times σ, so that wheels that slide at
+Below LOW_SPEED two terms fade in. Damping, κ' = (u + τ u')/σ_κ with u' as above, settles a car
+that comes to rest and leaves steady rolling as it is; τ is σ over DAMPING_SPEED, not less than
+DAMPING_TIME. A leak takes off what exceeds HOLDING_SLIP times σ, so that wheels that slide at
 standstill do not wind up. Above LOW_SPEED both are exactly zero.
 """
 
@@ -36,7 +37,14 @@ LOW_SPEED = 2.5
 """Forward speed below which damping and leak act [m/s]."""
 
 DAMPING_TIME = 0.01
-"""τ, ratio of the carcass's damping to its stiffness at standstill [s]."""
+"""Least τ, ratio of the carcass's damping to its stiffness at standstill [s]."""
+
+DAMPING_SPEED = 10.0
+"""σ/τ of longer carcasses, whose damping is the slip stiffness over this speed [m/s].
+
+2 kN s/m each 20 kN of slip stiffness: a car that has stopped rocks twice. Steady slip with a floor
+of a speed is the same damper without a spring.
+"""
 
 HOLDING_SLIP = 0.15
 """Deflection over σ that a tyre keeps at standstill; more than the slip of the peak [1]."""
@@ -197,8 +205,9 @@ def transient_slip(
 
     References
     ----------
-    Pacejka, Tyre and Vehicle Dynamics, chapter 7; damping and leak at low speed are our own
-    choice of the limits that the chapter asks for.
+    Pacejka, Tyre and Vehicle Dynamics, chapter 7, which asks for damping and a limit at low speed.
+    Its damper acts on the sliding velocity, ours on the rate of the deflection, so that slip in
+    steady rolling stays exact; size and leak are our own choice.
     """
     speed = ops.absolute(motion.longitudinal)
     low = low_speed_share(speed)
@@ -219,5 +228,7 @@ def rolled_off(
     """Return the slip and the rate of one deflection that is driven at a velocity [m/s]."""
     kept = HOLDING_SLIP * length
     excess = deflection - ops.minimum(ops.maximum(deflection, -kept), kept)
-    rate = drive - speed * deflection / length - low * excess / LEAK_TIME
-    return (deflection + low * DAMPING_TIME * drive) / length, rate
+    rolling = drive - speed * deflection / length
+    damping_time = ops.maximum(length / DAMPING_SPEED, DAMPING_TIME)
+    slip = (deflection + low * damping_time * rolling) / length
+    return slip, rolling - low * excess / LEAK_TIME
