@@ -58,6 +58,43 @@ def test_units_become_si(write):
     assert content.ranges["slip_angle"].highest == pytest.approx(1.5707963)
 
 
+@pytest.mark.parametrize(
+    ("units", "radius", "load", "written"),
+    [
+        ({}, 0.3, 4000, 240e3),
+        ({"LENGTH": "mm"}, 300, 4000, 0.24),
+        ({"LENGTH": "mm", "FORCE": "kN"}, 300, 4, 0.24e-3),
+        ({"LENGTH": "inch", "FORCE": "lbf"}, 11.8, 900, 34.809),
+        ({"LENGTH": "mm", "PRESSURE": "bar"}, 300, 4000, 2.4),
+        ({"PRESSURE": "kPa"}, 0.3, 4000, 240),
+    ],
+)
+def test_pressures_without_a_unit_are_force_over_length_squared(
+    write, units, radius, load, written
+):
+    speed = 16.6 * {"mm": 1e3, "inch": 1 / 0.0254}.get(units.get("LENGTH"), 1.0)
+    given = {"UNLOADED_RADIUS": radius, "FNOMIN": load, "LONGVL": speed}
+    values = read_tyre_file(write(units, **given, INFLPRES=written, NOMPRES=written)).values
+    assert values["INFLPRES"] == pytest.approx(240e3, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("units", "change", "words"),
+    [
+        ({}, {"INFLPRES": 2.4}, "INFLPRES: is 2.4 Pa by the file's units; tyres have 5000 Pa to"),
+        ({"LENGTH": "mm"}, {"UNLOADED_RADIUS": 300, "LONGVL": 16600, "NOMPRES": 240e3},
+         "NOMPRES: is 2.4e+11 Pa by the file's units"),
+        ({"LENGTH": "mm"}, {}, "UNLOADED_RADIUS: is 0.0003 m by the file's units"),
+        ({}, {"UNLOADED_RADIUS": 300}, "check [UNITS] LENGTH"),
+        ({}, {"FNOMIN": 4}, "FNOMIN: is 4 N by the file's units, on a radius of 0.3 m"),
+        ({"FORCE": "kN"}, {}, "FNOMIN: is 4e+06 N by the file's units"),
+        ({"TIME": "ms"}, {}, "LONGVL: is 1.66e+04 m/s"),
+    ],
+)  # fmt: skip
+def test_sizes_that_no_tyre_has_are_refused_with_the_unit_to_check(write, units, change, words):
+    assert words in refused(write(units, **change))
+
+
 def test_defaults_and_names(write):
     found = read_tyre_file(write(LFZ0=0.9, PHX1="1.5E-003", PHX2="-2d-3", SECRET=1))
     assert found.values["LFZO"] == 0.9 and found.values["LMUX"] == 1.0

@@ -429,6 +429,9 @@ def test_scaling_friction_and_pressure():
     assert vector(slick, 4e3, 0.1, 0.1, 0.0) == pytest.approx(vector(half, 4e3, 0.1, 0.1, 0.0))
     soft = find("tyre", "file")(**base, pressure="2 bar")
     assert vector(soft, 4e3, 0.0, 0.02, 0.0)[1] != pytest.approx(vector("file", 4e3, 0, 0.02, 0)[1])
+    without = find("tyre", "file")(file="passenger_235_60R16_pac2002.tir", pressure="2 bar")
+    with pytest.raises(InputError, match=r"pressure: the file has none \(NOMPRES in"):
+        vector(without, 4e3, 0.0, 0.02, 0.0)
     with pytest.raises(Exception, match="LMUZ"):
         find("tyre", "file")(**base, scaling={"LMUZ": 1.0})
 

@@ -11,6 +11,7 @@ from pathlib import Path
 from vehicledyn.base.errors import InputError, unknown_name
 from vehicledyn.base.problems import Mark, Problem, refusal
 from vehicledyn.road.tyre_files.lines import Entry, read_lines
+from vehicledyn.road.tyre_files.magnitudes import implausible
 from vehicledyn.road.tyre_files.names import ALIASES, Coefficient, coefficients
 from vehicledyn.road.tyre_files.units import factor, read_units
 
@@ -74,6 +75,11 @@ class TyreFile:
     texts: Mapping[str, str] = field(default_factory=dict)
 
     @property
+    def has_pressure(self) -> bool:
+        """Whether the file says for which inflation pressure it holds."""
+        return not self.given.isdisjoint(("NOMPRES", "INFLPRES", "IP_NOM", "IP"))
+
+    @property
     def ranges(self) -> dict[str, Range]:
         """Return the ranges in which the file holds; a quantity without both ends is absent."""
         return {
@@ -113,6 +119,7 @@ def _read(path: Path, changed: int, size: int) -> TyreFile:
     found, unknown = _numbers(entries, factors, source, problems)
     values = _complete(found, entries, source, problems)
     _check(values, entries, source, problems)
+    problems += implausible(found, {e.name: e for e in entries}, source) if not wrong else []
     if problems:
         raise refusal(problems, source)
     return TyreFile(path, version, side.lower(), values, frozenset(found), unknown, texts)

@@ -66,8 +66,12 @@ _POWER = re.compile(r"([*/]?)(\w+)(?:\^(\d))?")
 
 
 def read_units(entries: list[Entry], source: str) -> tuple[dict[str, float], list[Problem]]:
-    """Return the factor to SI of each dimension; pressures without a unit are in pascals."""
-    factors = {"pressure": 1.0}
+    """Return the factor to SI of each dimension.
+
+    Where a file has no unit of pressure it is force over length squared: pascals of newton and
+    meter, N/mm² of newton and mm.
+    """
+    factors: dict[str, float] = {}
     problems = []
     lines = {e.name.lower(): e for e in entries if e.section == "UNITS"}
     for name, entry in lines.items():
@@ -83,6 +87,7 @@ def read_units(entries: list[Entry], source: str) -> tuple[dict[str, float], lis
     if missing:
         words = f"missing: {', '.join(missing)}; a file says its units there"
         problems.append(Problem(source, None, "[UNITS]", words))
+    factors.setdefault("pressure", factors.get("force", 1.0) / factors.get("length", 1.0) ** 2)
     return {name: factors.get(name, 1.0) for name in FACTORS}, problems
 
 

@@ -152,6 +152,11 @@ class FileTyre(Tyre):
             "LMUY": p.LMUY * self.friction,
         }
         if self.pressure is not None:
+            if not self.content.has_pressure:
+                raise InputError(
+                    f"{self.path}: pressure: the file has none (NOMPRES in "
+                    "[OPERATING_CONDITIONS]) that it would change; leave pressure out"
+                )
             changes["INFLPRES"] = self.pressure
         if self.mirror == "symmetric":
             changes |= dict.fromkeys(MIRRORED, 0.0)
