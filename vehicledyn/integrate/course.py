@@ -26,6 +26,19 @@ class Beginning:
     past: Callable[[], Iterable[tuple[Vector, ...]]] | None = None
 
 
+@dataclass
+class Carried:
+    """What a method knows where a piece of a run ends beyond the states; the next begins with it.
+
+    ``numbers`` are the method's own, None at the start of a run and for methods of one step. Where
+    steps keep the states on the constraints, ``holds_constraints`` says that these go on as they
+    are.
+    """
+
+    numbers: Vector | None = None
+    holds_constraints: bool = False
+
+
 @dataclass(frozen=True)
 class Course:
     """Notes the history of a run; ``beginning`` is that of a continued one.
@@ -39,8 +52,8 @@ class Course:
 
 
 def most_numbers(n_states: int, n_unknowns: int, n_events: int) -> int:
-    """Return the largest length of a history."""
-    return 3 + n_states + 3 * n_unknowns + 1 + 3 * n_events
+    """Return the largest length of a history; implicit steps carry three numbers a state more."""
+    return 4 + 4 * n_states + 3 * n_unknowns + 1 + 3 * n_events
 
 
 def history_of(march: March, watch: EventWatch) -> Vector:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 from vehicledyn.base.errors import NumericalError
-from vehicledyn.integrate.course import Beginning, Course
+from vehicledyn.integrate.course import Beginning, Carried, Course
 from vehicledyn.integrate.events import EventWatch, Point
 from vehicledyn.kernel.engine import Count, Figure, Ledger, Rows, Vector
 from vehicledyn.kernel.kernel import Kernel
@@ -86,7 +86,9 @@ class Task:
     of sample 0, consistent, or of the beginning of a continued run. ``judged`` is what the accuracy
     is judged by, all channels where it is None; ``watched`` whether it is judged at all.
     ``each_step`` is called by methods that choose the size of their steps, but for those inside
-    libraries. ``steps`` are those taken so far, ``sizes`` the least and the largest of them [s].
+    libraries. ``carried`` is what the method knows from the piece of the run before and leaves for
+    the next, None for a run in one piece. ``steps`` are those taken so far, ``sizes`` the least and
+    the largest of them [s].
     """
 
     kernel: Kernel
@@ -102,6 +104,7 @@ class Task:
     course: Course | None = None
     watched: bool = True
     each_step: EachStep | None = None
+    carried: Carried | None = None
     delivered: int = 0
     steps: int = 0
     sizes: tuple[float, float] | None = None

@@ -148,6 +148,17 @@ def test_a_run_with_multipliers_goes_on_from_where_it_was_projected(tmp_path, in
     assert_same(tmp_path / "whole.h5", tmp_path / "second.h5")
 
 
+@pytest.mark.parametrize("constraints", ["reduced", "index3", "stabilised_index2"])
+def test_an_implicit_run_with_multipliers_goes_on_with_what_its_steps_carry(tmp_path, constraints):
+    text = HANGING.replace("rk4", "generalised_alpha").replace(
+        "step: 1 ms", f"step: 1 ms, constraints: {constraints}"
+    )
+    run(tmp_path, text, "whole.h5", "duration=1.8 s")
+    run(tmp_path, text, "first.h5", "duration=0.9 s")
+    run(tmp_path, text, "second.h5", "duration=1.8 s", restart="first.h5")
+    assert_same(tmp_path / "whole.h5", tmp_path / "second.h5")
+
+
 @pytest.mark.parametrize("text", [PLAIN, LOOPED, BOUNCING])
 def test_a_continued_run_is_judged_as_a_whole(tmp_path, text):
     """The watch of the second piece sees the samples of the first one too."""

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.integrate.course import Course
+from vehicledyn.integrate.course import Carried, Course
 from vehicledyn.integrate.fixed_step import FixedSteps
 from vehicledyn.integrate.simulate import Solver, make_task
 from vehicledyn.integrate.task import EachStep, Happened, Sink, Statistics, StepError
@@ -103,8 +103,11 @@ class RunPlan:
         progress: Progress,
         course: Course | None = None,
         each_step: EachStep | None = None,
+        carried: Carried | None = None,
     ) -> Statistics:
         """Integrate a piece of the run, from look to look.
+
+        ``carried`` is what the method knows from the piece before, and leaves for the next.
 
         Its statistics are added to ``parts``, also where it is broken off. The accuracy is not
         judged; that is done for the run as a whole.
@@ -122,6 +125,7 @@ class RunPlan:
             course=course,
             watched=False,
             each_step=each_step,
+            carried=carried,
         )
         try:
             return self.solver.integrate(task)

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from vehicledyn.codegen.ir.table_rows import TableRows
+from vehicledyn.integrate.course import Carried
 from vehicledyn.integrate.events import Point
 from vehicledyn.integrate.newmark.compiled_steps import CompiledLoop, StateLayout
 from vehicledyn.integrate.newmark.constrained_steps import (
@@ -23,6 +24,7 @@ from vehicledyn.integrate.newmark.residual_functions import Instant
 from vehicledyn.integrate.newmark.weights import Constraints, Weights
 from vehicledyn.integrate.task import Task
 from vehicledyn.kernel.compiled import CompiledEngine
+from vehicledyn.kernel.engine import Vector
 from vehicledyn.kernel.newmark.newmark_code import FRESH_JACOBIAN, NewmarkCode, PlaceRecord
 from vehicledyn.kernel.point_source import Wanted, compiled
 
@@ -73,6 +75,14 @@ class CompiledConstrainedSteps(CompiledLoop[ConstrainedPlace]):
         """Return the place from which the motion starts, or starts anew."""
         self.record.matrix[0].is_stale = 1
         return self._steps.start(point)
+
+    def resumed(self, point: Point, numbers: Vector) -> ConstrainedPlace:
+        """Return the place from which a run goes on, see :meth:`ConstrainedSteps.resumed`."""
+        return self._steps.resumed(point, numbers)
+
+    def carried(self, place: ConstrainedPlace) -> Carried:
+        """Return what a run goes on with behind a place."""
+        return self._steps.carried(place)
 
     def error(self, before: ConstrainedPlace, after: ConstrainedPlace) -> float:
         """Return the largest local error of a step about; the compiled loop finds its own."""

@@ -9,6 +9,7 @@ from typing import Any, Generic, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.integrate.course import Carried
 from vehicledyn.integrate.events import Point
 from vehicledyn.integrate.newmark.matrix_pattern import matrix_pattern
 from vehicledyn.integrate.newmark.matrix_room import enter_pattern, matrix_room
@@ -16,7 +17,7 @@ from vehicledyn.integrate.newmark.reduced_steps import ReducedForm, ReducedPlace
 from vehicledyn.integrate.newmark.weights import Weights
 from vehicledyn.integrate.task import Task
 from vehicledyn.kernel.compiled import CompiledEngine
-from vehicledyn.kernel.engine import Count, Figure, Ledger, Rows
+from vehicledyn.kernel.engine import Count, Figure, Ledger, Rows, Vector
 from vehicledyn.kernel.newmark.newmark_code import (
     FRESH_JACOBIAN,
     NO_JACOBIAN,
@@ -70,6 +71,14 @@ class CompiledLoop(ABC, Generic[P]):
     @abstractmethod
     def start(self, point: Point) -> P:
         """Return the place from which the motion starts, or starts anew."""
+
+    @abstractmethod
+    def resumed(self, point: Point, numbers: Vector) -> P:
+        """Return the place from which a run goes on whose piece has ended with these numbers."""
+
+    @abstractmethod
+    def carried(self, place: P) -> Carried:
+        """Return what a run goes on with behind a place."""
 
     @abstractmethod
     def go_to(self, place: P) -> None:
@@ -211,6 +220,14 @@ class CompiledSteps(CompiledLoop[ReducedPlace]):
         """Return the place from which the motion starts, or starts anew."""
         self.record.matrix[0].is_stale = 1
         return self._form.start(point, self.task.ledger)
+
+    def resumed(self, point: Point, numbers: Vector) -> ReducedPlace:
+        """Return the place from which a run goes on, see :meth:`ReducedForm.resumed`."""
+        return self._form.resumed(point, numbers, self.task.ledger)
+
+    def carried(self, place: ReducedPlace) -> Carried:
+        """Return what a run goes on with behind a place."""
+        return Carried(self._form.numbers(place))
 
     def error(self, before: ReducedPlace, after: ReducedPlace) -> float:
         """Return the largest local error of a step about; the compiled loop finds its own."""

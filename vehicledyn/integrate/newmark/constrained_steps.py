@@ -24,6 +24,7 @@ from typing import Any
 import numpy as np
 
 from vehicledyn.base.errors import InputError, NumericalError
+from vehicledyn.integrate.course import Carried
 from vehicledyn.integrate.events import Point
 from vehicledyn.integrate.newmark.iteration_matrix import IterationMatrix, StepFactors, Unknowns
 from vehicledyn.integrate.newmark.residual_functions import (
@@ -135,6 +136,25 @@ class ConstrainedSteps:
         auxiliary = a, at.other_rate
         correction = np.zeros(m if self._is_stabilised else 0)
         return ConstrainedPlace(kept, instant, auxiliary, at.other_rate, correction, 0.0)
+
+    def resumed(self, point: Point, numbers: Vector) -> ConstrainedPlace:
+        """Return the place from which steps go on that end a piece of a run with these numbers."""
+        n, k, m = self._functions.sizes
+        e, state = self._functions.equations, point.state
+        q, v, s = (state[list(part)] for part in (e.positions, e.velocities, e.others))
+        ends = np.cumsum([1, n, m, n, k, k, m if self._is_stabilised else 0])
+        size, lift, forces, a, r, rate, eta, change = np.split(numbers, ends)
+        instant = Instant(point.time, q, v, lift, forces, s)
+        kept = Point(point.time, state.copy(), point.unknowns.copy())
+        return ConstrainedPlace(kept, instant, (a, r), rate, eta, float(size[0]), change)
+
+    def carried(self, place: ConstrainedPlace) -> Carried:
+        """Return what a run goes on with behind a place; nothing where the motion starts anew."""
+        if place.change is None:
+            return Carried(holds_constraints=True)
+        at, (a, r) = place.instant, place.auxiliary
+        parts = at.acceleration, at.multiplier, a, r, place.other_rate, place.correction
+        return Carried(np.concatenate([[place.size], *parts, place.change]), True)
 
     def step(self, place: ConstrainedPlace, end: float) -> ConstrainedPlace | None:
         """Return the end of a step, or None where Newton's method does not converge."""

@@ -17,6 +17,7 @@ from typing import Any, Generic, Protocol, TypeVar
 
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.codegen.toolchain.compiler import CompilationError
+from vehicledyn.integrate.course import Carried
 from vehicledyn.integrate.events import Point
 from vehicledyn.integrate.explicit_pairs.adaptive_run import steepest_state
 from vehicledyn.integrate.fixed_step import steps_per_interval
@@ -27,7 +28,7 @@ from vehicledyn.integrate.newmark.reduced_steps import ReducedSteps
 from vehicledyn.integrate.newmark.weights import SHORTEST, Constraints, Weights
 from vehicledyn.integrate.task import SampleBuffer, Statistics, StepError, Task
 from vehicledyn.kernel.compiled import CompiledEngine
-from vehicledyn.kernel.engine import Count, Status
+from vehicledyn.kernel.engine import Count, Status, Vector
 from vehicledyn.kernel.newmark.newmark_code import Outcome, newmark_code
 
 _log = logging.getLogger(__name__)
@@ -45,6 +46,9 @@ class _AnyPlace(Protocol):
     @property
     def point(self) -> Point: ...
 
+    @property
+    def size(self) -> float: ...
+
 
 P = TypeVar("P", bound=_AnyPlace)
 
@@ -53,6 +57,10 @@ class _Steps(Protocol[P]):
     """Takes steps from place to place, on rates or on residuals with multipliers."""
 
     def start(self, point: Point) -> P: ...
+
+    def resumed(self, point: Point, numbers: Vector) -> P: ...
+
+    def carried(self, place: P) -> Carried: ...
 
     def step(self, place: P, end: float) -> P | None: ...
 
@@ -125,9 +133,10 @@ def _run_compiled(
     record.last = task.n_intervals * record.per_interval
     record.tolerance = tolerance or 0.0
     record.shortest = SHORTEST if tolerance is None else _TINY
-    record.halvings = 0 if tolerance is None else _FIRST_HALVINGS
     SampleBuffer(task, task.state, task.unknowns).flush()
-    steps.go_to(steps.start(Point(task.begin, task.state, task.unknowns)))
+    begun = _begun(task, steps)
+    steps.go_to(begun)
+    record.halvings = _first_halvings(tolerance, record.interval / record.per_interval, begun.size)
     record.step = max(0, task.delivered - 1) * record.per_interval
     rows, size = task.rows(task.n_intervals + 1), _FIRST_CHUNK
     while record.step < record.last and not task.watch.ended_by:
@@ -149,7 +158,35 @@ def _run_compiled(
         if tolerance is None:
             task.count_steps(1, record.whole)
         task.deliver_point(steps.place.point)
+    _leave(task, steps, steps.place)
     return task.statistics(name)
+
+
+def _begun(task: Task, steps: _Steps[P]) -> P:
+    """Return the place from which a task goes on: anew, or as the piece of the run before ended."""
+    point = Point(task.begin, task.state, task.unknowns)
+    numbers = None if task.carried is None else task.carried.numbers
+    return steps.start(point) if numbers is None else steps.resumed(point, numbers)
+
+
+def _leave(task: Task, steps: _Steps[P], place: P) -> None:
+    """Leave what the piece of the run to come goes on with."""
+    if task.carried is not None:
+        found = steps.carried(place)
+        task.carried.numbers, task.carried.holds_constraints = (
+            found.numbers,
+            found.holds_constraints,
+        )
+
+
+def _first_halvings(tolerance: float | None, whole: float, size: float) -> int:
+    """Return how often the first step is halved: as the one before was [s], many times at a start.
+
+    The error is unknown at a start where it is watched.
+    """
+    if size:
+        return max(0, round(math.log2(whole / size)))
+    return 0 if tolerance is None else _FIRST_HALVINGS
 
 
 def _cross_compiled(steps: CompiledLoop[P]) -> None:
@@ -177,7 +214,8 @@ def _run(march: _March[P], name: str, step: float) -> Statistics:
     task = march.task
     per_interval = steps_per_interval(step, task.interval)
     buffer = SampleBuffer(task, task.state, task.unknowns)
-    place = march.steps.start(Point(task.begin, task.state, task.unknowns))
+    place = _begun(task, march.steps)
+    march.halvings = _first_halvings(march.tolerance, task.interval / per_interval, place.size)
     last: Point | None = None
     try:
         while buffer.next_index <= task.n_intervals and not task.watch.ended_by:
@@ -194,6 +232,7 @@ def _run(march: _March[P], name: str, step: float) -> Statistics:
         buffer.flush()
     if last is not None:
         task.deliver_point(last)
+    _leave(task, march.steps, place)
     return task.statistics(name)
 
 
@@ -204,43 +243,43 @@ class _March(Generic[P]):
     """
 
     def __init__(self, task: Task, steps: _Steps[P], tolerance: float | None) -> None:
-        """Begin with a small part where the error is watched, as it is unknown there."""
-        self.task, self.steps, self._tolerance = task, steps, tolerance
-        self._halvings = 0 if tolerance is None else _FIRST_HALVINGS
+        """Begin with whole steps; ``halvings`` says how often they are halved."""
+        self.task, self.steps, self.tolerance = task, steps, tolerance
+        self.halvings = 0
 
     def advance(self, place: P, end: float) -> P:
         """Return the place at the end of a whole step."""
         task = self.task
         whole = end - place.point.time
         while place.point.time < end and not task.watch.ended_by:
-            part, remaining = whole * 0.5**self._halvings, end - place.point.time
+            part, remaining = whole * 0.5**self.halvings, end - place.point.time
             to = end if part >= remaining * (1.0 - 1e-9) else place.point.time + part
             found = self.steps.step(place, to)
             error = 2.0 if found is None else self._error(place, found)
             if found is None or error > 1.0:
                 self._halve(place, to - place.point.time, whole, found)
                 continue
-            if self._tolerance is not None or to < end:
+            if self.tolerance is not None or to < end:
                 task.count_steps(1, to - place.point.time)
             if task.watch.active and task.watch.fires(found.point):
                 found = _crossed(task, self.steps, place, to)
             place = found
-            if error < _ROOM and self._halvings:
-                self._halvings -= 1
-        if self._tolerance is None:
+            if error < _ROOM and self.halvings:
+                self.halvings -= 1
+        if self.tolerance is None:
             task.count_steps(1, whole)
         return place
 
     def _halve(self, place: P, size: float, whole: float, found: P | None) -> None:
-        self._halvings = max(self._halvings, round(math.log2(whole / size))) + 1
-        if 0.5**self._halvings < (SHORTEST if self._tolerance is None else _TINY):
+        self.halvings = max(self.halvings, round(math.log2(whole / size))) + 1
+        if 0.5**self.halvings < (SHORTEST if self.tolerance is None else _TINY):
             raise _stuck(self.task, place, 0.5 * size, is_inexact=found is not None)
 
     def _error(self, before: P, after: P) -> float:
         """Return the error of a step as a part of what is allowed; none where it is not watched."""
-        if self._tolerance is None:
+        if self.tolerance is None:
             return 0.0
-        return self.steps.error(before, after) / self._tolerance
+        return self.steps.error(before, after) / self.tolerance
 
 
 def _crossed(task: Task, steps: _Steps[P], place: P, end: float) -> P:

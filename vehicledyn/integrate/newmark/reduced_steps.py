@@ -11,12 +11,13 @@ and Engineering 190, 305-319 (first-order states).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from vehicledyn.base.errors import NumericalError
+from vehicledyn.integrate.course import Carried
 from vehicledyn.integrate.events import Point
 from vehicledyn.integrate.newmark.weights import Weights
 from vehicledyn.integrate.task import Task
@@ -76,6 +77,21 @@ class ReducedForm:
         rates = self._kernel.evaluate(point.time, point.state, unknowns, ledger)
         return ReducedPlace(Point(point.time, point.state, unknowns), rates, rates[self.rows], 0.0)
 
+    def resumed(self, point: Point, numbers: Vector, ledger: Ledger) -> ReducedPlace:
+        """Return the place from which steps go on that end a piece of a run with these numbers."""
+        begun, n = self.start(point, ledger), len(self.rows)
+        size, lead, change, drift = np.split(numbers, [1, 1 + n, 1 + 2 * n])
+        return replace(
+            begun, auxiliary=begun.auxiliary + lead, size=float(size[0]), change=change, drift=drift
+        )
+
+    def numbers(self, place: ReducedPlace) -> Vector | None:
+        """Return what steps go on with behind a place, None where the motion starts anew there."""
+        if place.change is None or place.drift is None:
+            return None
+        lead = place.auxiliary - place.rates[self.rows]
+        return np.concatenate([[place.size], lead, place.change, place.drift])
+
     def jacobian(self, point: Point) -> Vector:
         """Return the derivatives of the rates of the rows by all states, along closed loops."""
         kernel = self._kernel
@@ -123,6 +139,14 @@ class ReducedSteps:
         """Return the place from which the motion starts, or starts anew."""
         self._is_stale = True
         return self._form.start(point, self._task.ledger)
+
+    def resumed(self, point: Point, numbers: Vector) -> ReducedPlace:
+        """Return the place from which a run goes on, see :meth:`ReducedForm.resumed`."""
+        return self._form.resumed(point, numbers, self._task.ledger)
+
+    def carried(self, place: ReducedPlace) -> Carried:
+        """Return what a run goes on with behind a place."""
+        return Carried(self._form.numbers(place))
 
     def step(self, place: ReducedPlace, end: float) -> ReducedPlace | None:
         """Return the end of a step, or None where Newton's method does not converge."""

@@ -1,9 +1,10 @@
 """Simulate constrained motion with multipliers: put the states back, watch the Jacobian's rank.
 
 The equations project the states wherever they are evaluated; so that drift stays small, runs go
-in pieces, each of which begins on the constraints. Between two looks at the motion the sign of
-det(J J'ᵀ), J' being the Jacobian of the look before, says whether it has lost its rank: it is
-positive for any small change but one through a singular configuration.
+in pieces, each of which begins on the constraints, with what the method carries from step to
+step: begun anew so often, implicit methods would be of order one. Between two looks at the motion
+the sign of det(J J'ᵀ), J' being the Jacobian of the look before, says whether it has lost its rank:
+it is positive for any small change but one through a singular configuration.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from vehicledyn.analyses.simulation.partitions.singularity_crossing import Sampl
 from vehicledyn.analyses.simulation.run_plan import Point, RunPlan
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.integrate.accuracy.watched_run import DivergenceError
-from vehicledyn.integrate.course import Course
+from vehicledyn.integrate.course import Carried, Course
 from vehicledyn.integrate.task import Statistics, joined
 from vehicledyn.kernel.kernel import Kernel
 
@@ -56,10 +57,17 @@ class ProjectedRun:
     _last: Sample | None = field(default=None, init=False)
     _jacobian: Vector | None = field(default=None, init=False)
     _is_first: bool = field(default=True, init=False)
+    _carried: Carried = field(default_factory=Carried, init=False)
 
     @cached_property
     def _watch(self) -> PartitionWatch:
         return self.make_watch()
+
+    def go_on(self, history: Vector, n_states: int, n_unknowns: int) -> Statistics:
+        """Run to the end from what was noted where a piece began."""
+        state, unknowns, numbers = np.split(history, [n_states, n_states + n_unknowns])
+        self._carried.numbers = numbers if len(numbers) else None
+        return self.go(state, unknowns, skip=True)
 
     def go(self, state: Vector, unknowns: Vector, *, skip: bool = False) -> Statistics:
         """Run to the end; the first sample is not handed on if ``skip``.
@@ -91,7 +99,9 @@ class ProjectedRun:
     def _note(self, begin: Point) -> None:
         """Note where a piece begins if that is a sample: a run in one piece begins it there too."""
         if self.course is not None and self.plan.is_wanted(begin.time):
-            self.course.note(begin.time, np.concatenate([begin.state, begin.unknowns]))
+            numbers = self._carried.numbers
+            parts = [begin.state, begin.unknowns, *([] if numbers is None else [numbers])]
+            self.course.note(begin.time, np.concatenate(parts))
 
     def _piece(self, first: int, last: int, state: Vector, unknowns: Vector) -> Statistics:
         plan = self.plan
@@ -116,6 +126,7 @@ class ProjectedRun:
                 sink=take,
                 parts=self._parts,
                 progress=self._tell,
+                carried=self._carried,
             )
         except DivergenceError:
             raise
@@ -193,9 +204,11 @@ class ProjectedRun:
         return f"those of {listed} depend on each other"
 
     def _projected(self) -> tuple[Vector, Vector]:
-        """Return the last sample with its states on the constraints."""
+        """Return the last sample with its states on the constraints, where steps leave them."""
         if self._last is None:
             raise ValueError("no sample has been taken yet")
+        if self._carried.holds_constraints:
+            return self._last.state, self._last.unknowns
         state = projected(self.kernel, self._last.state, self._last.outputs)
         return state, self._last.unknowns
 

@@ -148,9 +148,9 @@ class _Pieces:
         """Run to the end, through changes of the partition."""
         if kernel.equations.structure.get("constraint_method") == "multipliers":
             beginning = None if course is None else course.beginning
-            if beginning is not None and beginning.history is not None:
-                state, unknowns = np.split(beginning.history, [len(state)])
             projected = ProjectedRun(kernel, projected_plan(plan), self.make_watch, course)
+            if beginning is not None and beginning.history is not None:
+                return projected.go_on(beginning.history, len(state), len(unknowns))
             return projected.go(state, unknowns, skip=beginning is not None)
         plan = plan.looked_at(steps=steps_per_look(kernel.equations))
         run = PartitionedRun(

@@ -1,0 +1,78 @@
+"""Implicit runs are of order two, however constraints are met and however many pieces they have.
+
+With multipliers a run is put back onto the constraints after some hundred steps; where its steps
+began anew each time, the errors of these beginnings added up to order one.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from chain_examples import chain
+from solve_examples import Samples, starts
+
+from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_watched
+from vehicledyn.base.registry import find
+from vehicledyn.kernel.make_kernel import compile_kernel
+from vehicledyn.multibody import derive
+
+pytestmark = [pytest.mark.long, pytest.mark.usefixtures("needs_compiler")]
+STOP, STEPS = 0.4, (160, 320, 640, 1280, 2560)
+KINDS = ("angle", "angle_rate", "force_x", "force_z")
+"""Positions, velocities and the force in the cut, which is a multiplier."""
+
+
+@pytest.fixture(scope="module")
+def models():
+    """A four-bar whose uprights differ in length, its loop closed in both ways."""
+    systems = {m: chain(1, method=m, last=0.8) for m in ("partitioning", "multipliers")}
+    return {m: (s, compile_kernel(derive(s), backend="compiled")) for m, s in systems.items()}
+
+
+@pytest.fixture(scope="module")
+def exact(models):
+    return last(*models["partitioning"], "rk4", 6400, models["partitioning"][1])
+
+
+def begin(kernel, divided):
+    """The start of the loop closed by partitioning, in the states of a kernel."""
+    state, unknowns = starts(divided.equations)
+    unknowns = divided.solve_unknowns(0.0, state, unknowns)
+    if kernel is divided:
+        return state, unknowns
+    names = [c.name for c in divided.equations.channels]
+    found = dict(zip(names, divided.outputs(0.0, state, unknowns), strict=True))
+    return [found[s.name] for s in kernel.equations.states], []
+
+
+def last(system, kernel, kind, count, divided, **settings):
+    """Return the channels at the end of a run of so many steps, by name."""
+    samples, (state, unknowns) = Samples(), begin(kernel, divided)
+    span = {"start": 0.0, "stop": STOP, "interval": 0.5 * STOP, "sink": samples}
+    solver, changes = find("solver", kind)(step=STOP / count, **settings), []
+    simulate_watched(
+        system, kernel, solver, state=state, unknowns=unknowns, **span,
+        progress=lambda *_: None, happened=lambda *event: changes.append(event),
+    )  # fmt: skip
+    assert changes == []
+    names = [c.name for c in kernel.equations.channels]
+    return dict(zip(names, samples.outputs[-1], strict=True))
+
+
+@pytest.mark.parametrize("how", ["partitioning", "multipliers", "index3", "stabilised_index2"])
+@pytest.mark.parametrize(
+    ("kind", "radius"), [("newmark", 1.0), ("hht", 0.7), ("generalised_alpha", 0.4)]
+)
+def test_order_two_of_positions_velocities_and_forces(models, exact, kind, radius, how):
+    """Slopes over five steps, the finest of which take eight pieces; the exact motion is rk4's."""
+    method = how if how == "partitioning" else "multipliers"
+    settings = {"constraints": "reduced" if how in models else how}
+    if kind != "newmark":
+        settings["spectral_radius"] = radius
+    errors = []
+    for count in STEPS:
+        found = last(*models[method], kind, count, models["partitioning"][1], **settings)
+        apart = {name: abs(found[name] - exact[name]) for name in found if name in exact}
+        errors.append([max(e for n, e in apart.items() if n.endswith("." + k)) for k in KINDS])
+    slopes = np.log2(np.divide(errors[:-1], errors[1:]))
+    assert slopes == pytest.approx(2.0, abs=0.05)
