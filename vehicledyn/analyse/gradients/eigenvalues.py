@@ -118,8 +118,10 @@ class EigenDerivatives:
         found: Complex = np.linalg.eigvals(self._motions(point).matrix).astype(complex)
         return found
 
-    def equilibrium(self, point: LinearPoint) -> tuple[Vector, Vector]:
+    def equilibrium(self, point: LinearPoint, held: Vector) -> tuple[Vector, Vector]:
         """Return the derivatives of an equilibrium's states and unknowns by all parameters.
+
+        ``held`` (n_states, n_parameters) are those of the states that are not free.
 
         Raises
         ------
@@ -130,20 +132,26 @@ class EigenDerivatives:
         weights = motions.equilibrium_left(np.eye(self._n_x, dtype=complex)).real.T
         by_parameter = self._rows(point)[:, self._n :]
         closed = -np.linalg.solve(motions.loops, by_parameter[self._n_x :])
-        rates = by_parameter[: self._n_x] + motions.by_unknown @ closed
-        states = weights @ rates
+        held = held.copy()
+        held[motions.free] = 0.0
+        rates = by_parameter[: self._n_x] + motions.by_unknown @ closed + motions.matrix @ held
+        states = weights @ rates + held
         return states, motions.follow @ states + closed
 
-    def along(self, point: LinearPoint, parameter: int) -> Vector:
-        """Return how the states of an equilibrium follow one parameter, shape (n_states,)."""
+    def along(self, point: LinearPoint, parameter: int, held: Vector) -> Vector:
+        """Return how the states of an equilibrium follow one parameter, shape (n_states,).
+
+        ``held`` (n_states,) is how those follow it that are not free.
+        """
         motions, n_x = self._motions(point), self._n_x
         unit = np.eye(len(point.parameters))[parameter]
         given = (point.time, point.state, point.unknowns, point.parameters)
         column = self._forward(*given, unit)[0].ravel()
         rates = column[:n_x] - motions.by_unknown @ np.linalg.solve(motions.loops, column[n_x:])
-        moved = np.zeros(n_x)
+        moved = held.copy()
+        moved[motions.free] = 0.0
         if motions.free:
-            rates = rates[list(point.pairs[1])]
+            rates = (rates + motions.matrix @ moved)[list(point.pairs[1])]
             moved[motions.free] = -np.linalg.lstsq(motions.balance, rates, rcond=1e-12)[0]
         return moved
 

@@ -39,11 +39,18 @@ class Following:
     """How an equilibrium moves with the parameters.
 
     ``pushes`` are parameters that keep it balanced besides the free states, such as a thrust that
-    holds the speed; ``by_held`` (n_states, n_parameters) is how states follow that are not free.
+    holds the speed; ``by_held`` (n_states, n_parameters) is how states follow that are not free,
+    known but for motions ``loose`` (n_loose, n_states).
     """
 
     pushes: tuple[int, ...]
     by_held: Floats
+    loose: Floats | None = None
+
+    def check(self, by_state: Complex | Floats) -> None:
+        """Raise NumericalError if something with derivatives by states depends on loose motions."""
+        if self.loose is not None and self.loose.size:
+            _refuse_loose(self.loose, by_state)
 
 
 class SystemDerivatives:
@@ -99,7 +106,9 @@ class SystemDerivatives:
 class LinearisedSlopes:
     """The linear system about a point: ``matrix`` is S = [A B; C D], with its derivatives.
 
-    ``outputs`` are the derivatives of the outputs at the point, (n_outputs, n_parameters).
+    ``outputs`` are the derivatives of the outputs at the point, (n_outputs, n_parameters),
+    ``states`` (n_states, n_parameters) how the point follows the parameters, ``loose`` the motions
+    of free states and pushes along which nothing holds it, one a row.
     """
 
     def __init__(
@@ -123,9 +132,9 @@ class LinearisedSlopes:
         self._multipliers = -partial[kept, n : n + m] @ inverse
         total = partial[kept] + partial[kept, n : n + m] @ self._follow
         self.matrix: Floats = np.asarray(total[:, self._driven], dtype=float)
-        self._pushes = list(following.pushes)
+        self._following, self._pushes = following, list(following.pushes)
         self._free = list(point.pairs[0])
-        self._states, self._pushed, self._loose = self._equilibrium(
+        self.states, self._pushed, self.loose = self._equilibrium(
             total[:n], following.by_held, list(point.pairs[1])
         )
         self.outputs: Floats = np.array([self._followed(row).real for row in total[n:]]).reshape(
@@ -179,12 +188,11 @@ class LinearisedSlopes:
         by_state, by_parameter = gradient[:n], np.array(gradient[n + m :], dtype=complex)
         by_push = by_parameter[self._pushes]
         felt = np.concatenate([by_state[self._free], by_push])
-        if self._loose.size:
-            lost = np.abs(self._loose @ felt)
-            if np.any(lost > _FELT * np.max(np.abs(felt), initial=1e-300)):
-                raise NumericalError("the equilibrium has no derivative: it is not isolated")
+        if self.loose.size:
+            _refuse_loose(self.loose, felt)
+        self._following.check(by_state)
         by_parameter[self._pushes] = 0.0
-        moved = by_parameter + by_state @ self._states + by_push @ self._pushed
+        moved = by_parameter + by_state @ self.states + by_push @ self._pushed
         return np.asarray(moved, dtype=complex)
 
     def _equilibrium(
@@ -204,6 +212,12 @@ class LinearisedSlopes:
         found = -right[:rank].T @ ((left[:, :rank].T @ drive) / sizes[:rank, None])
         states[free] = found[: len(free)]
         return states, np.asarray(found[len(free) :], dtype=float), right[rank:]
+
+
+def _refuse_loose(loose: Floats, felt: Complex | Floats) -> None:
+    """Refuse derivatives by what may move by itself."""
+    if np.any(np.abs(loose @ felt) > _FELT * np.max(np.abs(felt), initial=1e-300)):
+        raise NumericalError("the equilibrium has no derivative: it is not isolated")
 
 
 def mode_slope(system: LinearisedSlopes, value: complex, shape: Complex, fixed: int) -> Complex:

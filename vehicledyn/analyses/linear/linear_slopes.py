@@ -9,77 +9,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.analyse.gradients.eigenvalues import LinearPoint
-from vehicledyn.analyse.gradients.linear_system import (
-    Following,
-    LinearisedSlopes,
-    SystemDerivatives,
-)
+from vehicledyn.analyse.gradients.linear_system import LinearisedSlopes, SystemDerivatives
 from vehicledyn.analyse.gradients.state_space_slopes import StateSpaceSlopes, proper_slopes
 from vehicledyn.analyses.linear.input_names import InputPart
-from vehicledyn.analyses.linear.linear_inputs import PREFIX, THRUST
+from vehicledyn.analyses.linear.linear_inputs import PREFIX
+from vehicledyn.analyses.linear.reference_motion import ReferenceMotion
 from vehicledyn.analyses.linear.response import Linearised, transfer_system
-from vehicledyn.analyses.preparation.prepare import Point, reference_start
-from vehicledyn.analyses.preparation.prepared import Prepared
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.files.scenario.target import Target
 from vehicledyn.symbolic import ops
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
-
-_BALANCED = 1e-5
-"""Largest rate of a point that counts as balanced, in units of the states per s."""
-
-
-def following_point(
-    prepared: Prepared, point: Point, speed: float, target: Target
-) -> tuple[LinearPoint, Following]:
-    """Return a reference point and how it follows the parameters.
-
-    Parameters
-    ----------
-    prepared, point
-        The model and its reference point.
-    speed
-        Forward speed [m/s].
-    target
-        Where the model is from, for the start that its scenario names.
-
-    Raises
-    ------
-    NumericalError
-        If the point was balanced at rest and then moves: it is no equilibrium.
-    """
-    subject, e = prepared.subject, prepared.equations
-    kind = reference_start(subject, speed, target.choices.start if target.choices else None)
-    at = 0.0 if kind == "static" else speed
-    free, balanced = ([], []) if kind == "nominal" else subject.balance_pairs(e, at)
-    names = [p.name for p in e.parameters]
-    pushes: tuple[int, ...] = ()
-    if THRUST in names and speed > 0.0:
-        pushes = (names.index(THRUST),)
-        balanced = [*balanced, prepared.index(f"{subject.ports.body}.x_rate")]
-    rates = prepared.kernel.rates(subject.balance_time, point.state, point.unknowns)
-    if balanced and np.max(np.abs(np.asarray(rates)[balanced])) > _BALANCED:
-        raise NumericalError(
-            "the start is balanced at rest and then moves, so how it follows the parameters is "
-            "not known; linearise about 'nominal', or let it start at rest"
-        )
-    held = np.zeros((len(e.states), len(names)))
-    if "speed" in names and "speed" in subject.parameters_at(speed or 1.0):
-        here = speed or 1.0
-        held[:, names.index("speed")] = subject.start_state(e, here + 1.0) - subject.start_state(
-            e, here
-        )
-    linear = LinearPoint(
-        prepared.kernel.parameters,
-        subject.balance_time,
-        point.state,
-        point.unknowns,
-        (free, balanced),
-    )
-    return linear, Following(pushes, held)
 
 
 @dataclass(frozen=True)
@@ -201,7 +142,8 @@ def differentiable(model: Linearised, rows: Sequence[int], target: Target) -> In
     wheels = dict.fromkeys(p.wheel for i in model.inputs for p in i.parts if p.wheel)
     watched = [*rows, *(channels.index(f"{wheel}.contact_x") for wheel in wheels)]
     inputs = [names.index(name) for name in model.columns]
-    point, following = following_point(model.prepared, model.point, model.speed, target)
+    motion = ReferenceMotion(model.prepared, model.speed, target)
+    point, following = motion.at(model.point, model.prepared.kernel.parameters)
     system = SystemDerivatives(e, inputs, watched).at(point, following)
     return InputSlopes(model, tuple(rows), system)
 

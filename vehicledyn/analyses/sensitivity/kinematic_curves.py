@@ -1,8 +1,9 @@
 """Derivatives of kinematic curves: channels of a mechanism at places of a drive, by parameters.
 
-With the rows g(q, p) = 0 of loops and drives, dq/dp = -(dg/dq)⁻¹ dg/dp, and of a channel y(q, p)
+With the rows g(q, s, p) = 0 of loops and drives, coordinates q that move and s that stay at their
+start, dq/dp = -(∂g/∂q)⁻¹ (∂g/∂p + ∂g/∂s ds/dp), and of a channel y(q, s, p)
 
-    dy/dp = ∂y/∂p + ∂y/∂q dq/dp
+    dy/dp = ∂y/∂p + ∂y/∂s ds/dp + ∂y/∂q dq/dp
 """
 
 from __future__ import annotations
@@ -121,11 +122,14 @@ def _slope(machine: Mechanism, q: Floats, row: int) -> Floats:
                 f"'{coordinate.name}' is in the loops but neither they nor the drive determine "
                 "it; declare it independent or driven, so that its start is given"
             )
-    by_parameter = positions.values_by_parameter(q)
+    started = positions.start_by_parameter.copy()
+    started[moving] = 0.0
+    slopes = positions.slopes(q)
+    by_parameter = positions.values_by_parameter(q) + slopes @ started
     driven = by_parameter[list(machine.drives)]
-    moved = np.vstack([positions.residual_by_parameter(q), driven])
+    moved = np.vstack([positions.residual_by_parameter(q) + gaps @ started, driven])
     follow = -np.linalg.lstsq(rows, moved, rcond=None)[0]
-    found = by_parameter[row] + positions.slopes(q)[row, moving] @ follow
+    found = by_parameter[row] + slopes[row, moving] @ follow
     return np.asarray(found, dtype=float)
 
 

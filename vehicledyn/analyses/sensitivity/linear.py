@@ -15,11 +15,12 @@ from vehicledyn.analyse.equilibrium import find_equilibrium
 from vehicledyn.analyse.gradients.eigenvalues import EigenDerivatives, EigenSlopes, LinearPoint
 from vehicledyn.analyse.gradients.linear_system import Following
 from vehicledyn.analyses.linear.mode_report import NEAR_ZERO
+from vehicledyn.analyses.linear.reference_motion import ReferenceMotion
 from vehicledyn.analyses.preparation.own_speed import at_speed
 from vehicledyn.analyses.preparation.prepare import (
     BALANCE_TOLERANCE,
+    Point,
     prepare,
-    reference_start,
     start_point,
 )
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress, refuse_multipliers
@@ -57,20 +58,12 @@ class _Model:
 
     prepared: Prepared
     point: LinearPoint
+    following: Following
+    """How the states that are held follow the parameters."""
     derivatives: EigenDerivatives
-    by_speed: Floats
-    """How the states that are held follow the speed, shape (n_states,)."""
+    motion: ReferenceMotion
     memory: Memory
     """Knows results of :data:`KINDS`."""
-
-    @property
-    def following(self) -> Following:
-        """How the equilibrium moves with the parameters."""
-        names = [p.name for p in self.prepared.equations.parameters]
-        held = np.zeros((len(self.by_speed), len(names)))
-        if "speed" in names:
-            held[:, names.index("speed")] = self.by_speed
-        return Following((), held)
 
     @property
     def speed_index(self) -> int:
@@ -103,19 +96,25 @@ class _Model:
         old = base or self.point
         find = partial(self._at_speed, speed, old)
         self.point = self.memory.recall_or_raise("at speed", (speed, old), find)
+        if self.motion.is_given:
+            point = Point(self.point.state, self.point.unknowns)
+            self.following = self.motion.at(point, self.point.parameters)[1]
         return self.point
 
     def _at_speed(self, speed: float, old: LinearPoint) -> LinearPoint:
         index = self.speed_index
         parameters = old.parameters.copy()
-        along = self.derivatives.along(old, index) + self.by_speed
+        along = self.derivatives.along(old, index, self.following.by_held[:, index])
         state = old.state + (speed - parameters[index]) * along
         parameters[index] = speed
+        if self.motion.is_given:
+            found = self.motion.started(parameters, speed)
+            return replace(old, parameters=parameters, state=found.state, unknowns=found.unknowns)
         kernel = self.prepared.kernel.with_parameters(parameters)
         near = self.derivatives.balanced(old, kernel, state, BALANCE_TOLERANCE)
         if near is not None:
             return near
-        found = find_equilibrium(
+        balanced = find_equilibrium(
             self.prepared.equations,
             kernel,
             time=old.time,
@@ -126,7 +125,7 @@ class _Model:
             tolerance=BALANCE_TOLERANCE,
             derivatives=self.prepared.derivatives,
         )
-        return replace(old, parameters=parameters, state=found.state, unknowns=found.unknowns)
+        return replace(old, parameters=parameters, state=balanced.state, unknowns=balanced.unknowns)
 
 
 def find_linear_sensitivity(
@@ -204,30 +203,20 @@ def _model(target: Target, speed: float | None, progress: Progress, memory: Memo
         own = target.choices.speed
     prepared = prepare(target, backend="auto", progress=progress, varies_states=True)
     refuse_multipliers(prepared.equations)
-    wanted = None if target.choices is None else target.choices.start
-    kind = reference_start(prepared.subject, own or 0.0, wanted)
-    subject, e = prepared.subject, prepared.equations
-    start = start_point(prepared, own or 0.0, kind)
-    balanced = 0.0 if kind == "static" else own or 0.0
-    pairs = ([], []) if kind == "nominal" else subject.balance_pairs(e, balanced)
-    point = LinearPoint(
-        prepared.kernel.parameters, subject.balance_time, start.state, start.unknowns, pairs
-    )
-    here = own or 1.0
-    faster = subject.start_state(e, here + 1.0) - subject.start_state(e, here)
-    return _Model(prepared, point, EigenDerivatives(e), faster, memory)
+    motion = ReferenceMotion(prepared, own or 0.0, target)
+    start = start_point(prepared, own or 0.0, motion.kind)
+    point, following = motion.at(start, prepared.kernel.parameters)
+    return _Model(prepared, point, following, EigenDerivatives(prepared.equations), motion, memory)
 
 
 Found = list[tuple[Quantity, float, Floats]]
 
 
 def _by_parameter(model: _Model, slopes: EigenSlopes) -> Any:
-    """Return the derivatives by parameters; the speed moves the held states as well."""
-    found = slopes.by_parameter.copy()
-    names = [p.name for p in model.prepared.equations.parameters]
-    if "speed" in names:
-        found[:, names.index("speed")] += slopes.by_held @ model.by_speed
-    return found
+    """Return the derivatives by parameters, which move the held states as well."""
+    for row in slopes.by_held:
+        model.following.check(row)
+    return slopes.by_parameter + slopes.by_held @ model.following.by_held
 
 
 def _eigenvalues(model: _Model) -> Found:
@@ -355,7 +344,7 @@ def _balance(model: _Model, pattern: str) -> Found:
         guess = nearest_name(pattern, names)
         hint = f"; did you mean '{guess}'?" if guess else ""
         raise InputError(f"'{BALANCE}{pattern}' matches no coordinate of '{e.name}'{hint}")
-    slopes = np.vstack(model.derivatives.equilibrium(model.point))
+    slopes = np.vstack(model.derivatives.equilibrium(model.point, model.following.by_held))
     values = np.concatenate([model.point.state, model.point.unknowns])
     items = (*e.states, *e.unknowns)
     return [

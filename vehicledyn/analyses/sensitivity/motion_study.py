@@ -24,11 +24,11 @@ from vehicledyn.analyse.gradients.motion_course import KINDS as STRETCH_KINDS
 from vehicledyn.analyse.gradients.motion_course import Piece
 from vehicledyn.analyse.gradients.motion_slopes import MotionSlopes
 from vehicledyn.analyse.gradients.sampled_run import sampled_run
+from vehicledyn.analyses.linear.written_starts import WrittenStarts
 from vehicledyn.analyses.preparation.prepare import Point, set_speed, start_point
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress
 from vehicledyn.analyses.sensitivity.names import START, Directions, Wanted
 from vehicledyn.analyses.sensitivity.pieces import Pieces
-from vehicledyn.analyses.sensitivity.written_starts import WrittenStarts
 from vehicledyn.analyses.simulation.partitions.partition_course import PartitionCourse, RunCourse
 from vehicledyn.analyses.simulation.partitions.steady_partition import SteadyPartition, Unsteady
 from vehicledyn.analyses.simulation.prepared_run import prepare_run

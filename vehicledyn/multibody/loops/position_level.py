@@ -93,6 +93,7 @@ class Positions:
         self._speed_slopes = ops.numeric([q], seen.speed_slopes)
         self._free, self._known, self._coordinate_column = seen.free, seen.known, q
         self.parameters = tuple(system.table.entries)
+        self._moments = system, symbols, motion
 
     @property
     def cuts(self) -> list[str]:
@@ -128,6 +129,27 @@ class Positions:
         symbols = ops.column([entry.symbol for entry in self.parameters])
         slopes = ops.jacobian(self._free, symbols)
         return ops.numeric([self._coordinate_column], ops.substitute(slopes, *self._known))
+
+    @cached_property
+    def start_by_parameter(self) -> Array:
+        """Derivatives of the start as it is written, before the loops are closed.
+
+        Shape (n_coordinates, n_parameters). Coordinates written as expressions follow those,
+        driven ones their motion at time zero, all others stay.
+        """
+        system, symbols, motion = self._moments
+        written: dict[str, Scalar] = {
+            joint.name: system.starts.get(joint.name, 0.0) for joint in symbols.joints
+        }
+        written |= {name: item.position for name, item in motion.items()}
+        pairs = [(p, v) for p in system.parts for v in p.states()]
+        given = [symbols.time, *(symbols.states[p.name][v.name] for p, v in pairs)]
+        entries = [entry.symbol for entry in self.parameters]
+        slopes = ops.jacobian(ops.column([*written.values()]), ops.column(entries))
+        starts = [0.0, *(v.start for _, v in pairs)]
+        return ops.numeric([ops.column(given), ops.column(entries)], slopes)(
+            starts, [entry.value for entry in self.parameters]
+        )
 
     def speed_slopes(self, q: Array) -> Array:
         """Return the derivatives of ``speeds`` by the rates, (n_speeds, n_coordinates)."""

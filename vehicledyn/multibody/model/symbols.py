@@ -132,7 +132,8 @@ def motions(system: System, symbols: Symbols) -> dict[str, Motion]:
     InputError
         If two parts drive a coordinate, or one drives a coordinate that is not "driven".
     """
-    driven = {j.name: Motion(j.start, 0.0) for j in symbols.joints if j.role == "driven"}
+    held = {j.name: j.start for j in symbols.joints if j.role == "driven"}
+    driven = {name: Motion(system.starts.get(name, start), 0.0) for name, start in held.items()}
     owners: dict[str, Part] = {}
     for part in system.parts:
         for name, motion in part.motions(Clock(symbols.time, symbols.states[part.name])).items():

@@ -21,7 +21,13 @@ Evaluated: TypeAlias = Callable[..., Floats]
 
 
 class WrittenStarts:
-    """The start values of a model at a speed [m/s] that follow from parameters."""
+    """The start values of a model at a speed [m/s] that follow from parameters.
+
+    Attributes
+    ----------
+    states
+        Numbers of the states that they are of.
+    """
 
     def __init__(self, prepared: Prepared, speed: float) -> None:
         self._equations, self._subject, self._speed = prepared.equations, prepared.subject, speed
@@ -33,7 +39,7 @@ class WrittenStarts:
         for k, state in enumerate(self._equations.states):
             places[state.name] = k
         own = [name for name in written if name in places]
-        self._states = [places[name] for name in own]
+        self.states = [places[name] for name in own]
         # Of dependent coordinates only rates are given: positions follow from the loops.
         self._others = [name for name in written if name not in places]
         self._starts = ops.column([written[name] for name in (*own, *self._others)])
@@ -43,18 +49,22 @@ class WrittenStarts:
         if not self._subject.system.starts:
             return prepared
         values = self._values(prepared.kernel.parameters[self._parameters])[:, 0]
-        given = zip(self._others, map(float, values[len(self._states) :]), strict=True)
+        given = zip(self._others, map(float, values[len(self.states) :]), strict=True)
         system = self._subject.system.with_starts(dict(given))
         subject = self._subject.with_system(system)
         return replace(prepared, equations=self._started(values), subject=subject)
 
     def slopes(self, parameters: Floats) -> Floats:
         """Return the derivatives of the start, shape (n_states, n_parameters)."""
-        return self._placed(self._slopes, parameters)
+        return self._taken(False)[:, None] * self._placed(self._slopes, parameters)
+
+    def still(self, parameters: Floats) -> Floats:
+        """Return those of the start at rest, shape the same."""
+        return self._taken(True)[:, None] * self._placed(self._slopes, parameters)
 
     def bent(self, parameters: Floats, direction: Floats) -> Floats:
-        """Return how these change along a direction of the parameters, shape the same."""
-        return self._placed(self._bends, parameters, direction)
+        """Return how the first change along a direction of the parameters, shape the same."""
+        return self._taken(False)[:, None] * self._placed(self._bends, parameters, direction)
 
     def given_rates(self) -> list[str]:
         """Return the dependent coordinates whose rates are given."""
@@ -92,7 +102,7 @@ class WrittenStarts:
         total = Derivatives(e, [p.name for p in e.parameters]).total(*at)
         rows = [channels[name] for name in names]
         moved = -total.outputs[rows] @ held - total.outputs_by_parameter[rows] @ by_parameter
-        own = self._slopes(parameters[self._parameters])[len(self._states) :]
+        own = self._slopes(parameters[self._parameters])[len(self.states) :]
         for place, name in enumerate(names):
             if name in self._others:
                 row = own[self._others.index(name)]
@@ -117,19 +127,24 @@ class WrittenStarts:
     def _started(self, values: Sequence[float] | Floats) -> Equations:
         """Return the equations with values of these starts."""
         states = list(self._equations.states)
-        for k, value in zip(self._states, map(float, values), strict=False):
+        for k, value in zip(self.states, map(float, values), strict=False):
             states[k] = replace(states[k], start=value)
         return replace(self._equations, states=tuple(states))
 
     def _placed(self, function: Evaluated, *at: Floats) -> Floats:
-        """Return derivatives of all states; those that the speed or the road gives stay."""
+        """Return derivatives of the states that are written, zero for all others."""
         found = np.zeros((len(self._equations.states), len(at[0])))
-        if not self._states:
-            return found
-        higher = self._started([self._equations.states[k].start + 1.0 for k in self._states])
-        ends = [self._subject.start_state(item, self._speed) for item in (higher, self._equations)]
-        taken = (ends[0] - ends[1])[self._states, None]
-        places = np.ix_(self._states, self._parameters)
-        own = function(*(item[self._parameters] for item in at))[: len(self._states)]
-        found[places] = taken * own
+        own = function(*(item[self._parameters] for item in at))[: len(self.states)]
+        found[np.ix_(self.states, self._parameters)] = own
         return found
+
+    def _taken(self, is_still: bool) -> Floats:
+        """Return the part of each start that a run takes; the speed or the road gives others."""
+        subject, values = self._subject, [self._equations.states[k].start for k in self.states]
+        ends = []
+        for item in (self._started([value + 1.0 for value in values]), self._equations):
+            state = (
+                subject.still_state(item) if is_still else subject.start_state(item, self._speed)
+            )
+            ends.append(state)
+        return np.asarray(ends[0] - ends[1], dtype=float)
