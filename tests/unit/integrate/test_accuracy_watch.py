@@ -142,8 +142,8 @@ def test_a_window_that_gets_stuck_is_replaced_by_one_half_way(stuck, looks_again
     """One in a singular configuration that the run passes in another way; they are 32 apart."""
     end = WindowEnds.end
 
-    def taken(self, place, divided):
-        found = end(self, place, divided)
+    def taken(self, place, pieces):
+        found = end(self, place, pieces)
         return np.full_like(found, np.inf) if place.index in stuck else found
 
     monkeypatch.setattr(WindowEnds, "end", taken)

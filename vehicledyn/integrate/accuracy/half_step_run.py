@@ -165,7 +165,7 @@ def _known_part(watch: WatchedRun, place: WindowStart, count: int) -> Again | No
 
 def _richardson(watch: WatchedRun, better: Way) -> float:
     """Return the error of the run in parts of how far a better way leads elsewhere."""
-    power = 2.0 ** order_of(watch.grid.method)
+    power = (watch.grid.step / better.step) ** order_of(watch.grid.method)
     return power / (power - 1.0) if better.method == watch.grid.method else 1.0
 
 
@@ -191,8 +191,8 @@ def _better_way(watch: WatchedRun, *, ended_early: bool) -> Way:
         most = _FINEST if stable is None else math.ceil(step / stable)
         return Way(method, step / max(2, min(_FINEST, most)))
     if method == Method.SYMPLECTIC_EULER:
-        return Way(Method.RK4, step)
-    return Way(method, 0.5 * step)
+        return Way(Method.RK4, step if watch.divided == 2 else step / watch.divided)
+    return Way(method, step / watch.divided)
 
 
 def intervals_of(watch: WatchedRun) -> int:
@@ -229,15 +229,18 @@ def taken_again(watch: WatchedRun, place: WindowStart, count: int, way: Way) -> 
     return again
 
 
-def apart(watch: WatchedRun, own: Again, other: Again) -> tuple[float, str]:
+def apart(
+    watch: WatchedRun, own: Again, other: Again, *, scales: Vector | None = None
+) -> tuple[float, str]:
     """Return the error of the worst key figure, or channel where there are no figures.
 
-    The balance of the energy counts as one.
+    The balance of the energy counts as one. Channels are measured by ``scales`` (n_channels,), by
+    those of the run if there are none.
     """
     make = watch.judged.figures
     samples = [again.samples for again in (own, other) if again.samples and not again.failure]
     if make is None or len(samples) < 2:
-        return _ranges_apart(watch, own, other)
+        return _ranges_apart(watch, own, other, scales)
     with np.errstate(all="ignore"):
         figures = [make(part.times, part.values) for part in samples]
         balances = [balance_of(watch, part) for part in samples]
@@ -246,7 +249,7 @@ def apart(watch: WatchedRun, own: Again, other: Again) -> tuple[float, str]:
     if balances[0] is not None and balances[1] is not None:
         errors[ENERGY] = balances[0].distance(balances[1])
     if not errors:
-        return _ranges_apart(watch, own, other)
+        return _ranges_apart(watch, own, other, scales)
     worst = max(errors, key=lambda name: errors[name])
     return errors[worst], f"'{worst}'"
 
@@ -276,11 +279,15 @@ def balance_of(
     return make(samples.times, samples.values, rough=rough)
 
 
-def _ranges_apart(watch: WatchedRun, own: Again, other: Again) -> tuple[float, str]:
+def _ranges_apart(
+    watch: WatchedRun, own: Again, other: Again, scales: Vector | None = None
+) -> tuple[float, str]:
     """Return the error of the worst channel's extremes and mean."""
     if own.failure or other.failure:
         return np.inf, f"'{watch.names[0]}'"
-    distance = own.ranges.distance(other.ranges, watch.ranges.scales())
+    distance = own.ranges.distance(
+        other.ranges, watch.ranges.scales() if scales is None else scales
+    )
     worst = int(np.argmax(distance))
     return float(distance[worst]), f"'{watch.names[worst]}'"
 

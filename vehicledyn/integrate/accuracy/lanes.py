@@ -7,15 +7,18 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from vehicledyn.integrate.accuracy.watch import AccuracyWatch, bound_of, most_bound
+from vehicledyn.integrate.accuracy.watch import AccuracyWatch, Windows, finer_steps, most_bound
 from vehicledyn.integrate.accuracy.watched_run import Way
 from vehicledyn.integrate.accuracy.windows import (
+    HALF,
     SPENT,
-    STEPS,
+    UNEVEN,
+    WHOLE,
     Grid,
+    Pieces,
     WindowStart,
     may_be_repeated,
-    total_error,
+    timed,
     two_ends_apart,
     window_count,
     window_places,
@@ -42,6 +45,7 @@ class LaneWatch:
     channels: list[int]
     kept: list[int]
     differences: list[Vector] = field(default_factory=list)
+    halves: list[Vector | None] = field(default_factory=list)
     ends: list[Vector] = field(default_factory=list)
 
     def __post_init__(self) -> None:
@@ -59,33 +63,39 @@ class LaneWatch:
         if not self._waiting or run.step != self._waiting[0] * self.grid.per_interval:
             return
         self._waiting.pop(0)
-        one, other = (self._ends(run, divided) for divided in (1, 2))
-        apart = [two_ends_apart(own, half) for own, half in zip(one, other, strict=True)]
+        finer = finer_steps(len(self.differences))
+        one, other = (self._ends(run, pieces) for pieces in (WHOLE, finer))
         nothing = np.full(len(self.kernel.equations.channels), np.nan)
-        self.differences.append(
-            np.array([(nothing if a is None else a)[self.channels] for a in apart])
-        )
+        self.differences.append(self._apart(one, other))
+        is_uneven = finer is UNEVEN
+        self.halves.append(self._apart(one, self._ends(run, HALF)) if is_uneven else None)
         self.ends.append(np.array([nothing if end is None else end for end in one]))
 
-    def _ends(self, run: LaneRun, divided: int) -> list[Vector | None]:
+    def _apart(self, one: list[Vector | None], other: list[Vector | None]) -> Vector:
+        """Return how far ends of windows lie apart, shape (lanes, n_channels)."""
+        apart = [two_ends_apart(*pair) for pair in zip(one, other, strict=True)]
+        nothing = np.full(len(self.kernel.equations.channels), np.nan)
+        return np.array([(nothing if a is None else a)[self.channels] for a in apart])
+
+    def _ends(self, run: LaneRun, pieces: Pieces) -> list[Vector | None]:
         """Return the channels of each lane at the end of a window, None behind an event."""
-        engine, count = run.engine, STEPS * divided
-        window = run.window(
-            self.grid.start + self.grid.interval * (run.step // self.grid.per_interval),
-            STEPS * self.grid.step,
-            count,
-            np.arange(len(self.kernel.equations.channels), dtype=np.intc),
-        )
-        window.fate.status[:] = Status.SOLVED
-        room = np.full((engine.lanes, 1, len(window.channels)), np.nan)
-        window.advance(count, room)
+        engine, window = run.engine, run
+        channels = np.arange(len(self.kernel.equations.channels), dtype=np.intc)
+        room = np.full((engine.lanes, 1, len(channels)), np.nan)
+        begin = self.grid.start + self.grid.interval * (run.step // self.grid.per_interval)
+        fates = np.full(engine.lanes, int(Status.SOLVED))
+        for start, span, count in timed(self.grid, begin, pieces):
+            window = window.window(start, span, count, channels)
+            window.fate.status[:] = Status.SOLVED
+            window.advance(count, room)
+            fates = np.where(fates == Status.SOLVED, window.fate.status, fates)
         found: list[Vector | None] = []
         for lane in range(engine.lanes):
-            status = Status(window.fate.status[lane])
+            status = Status(int(fates[lane]))
             if status is Status.EVENT:
                 found.append(None)
             else:
-                failed = np.full(len(window.channels), np.inf)
+                failed = np.full(len(channels), np.inf)
                 found.append(room[lane, 0] if status is Status.SOLVED else failed)
         return found
 
@@ -102,16 +112,14 @@ class LaneWatch:
         kinds = ranges.kinds(self.kernel.equations)
         for ends in self.ends:
             ranges.take_likes(kinds, ends[lane])
-        rows = np.array([row[lane] for row in self.differences])
-        rows = rows[~np.isnan(rows).all(axis=1)]
-        with np.errstate(all="ignore"):
-            errors = total_error(rows, self.grid.method) / ranges.scales()
-        errors = np.nan_to_num(errors, nan=np.inf, posinf=np.inf)
-        bound, worst = bound_of(errors, (self.grid.n_intervals + 1) * self.grid.per_interval)
+        found = Windows.of(
+            _of_lane(self.differences, lane), self.grid, ranges, self.grid.n_intervals + 1
+        )
+        bound, worst = found.bound()
         if bound > most_bound(self.kernel, self.grid):
             return None
         name = self.kernel.equations.channels[self.channels[worst]].name
-        return Accuracy("accurate", bound, f"'{name}'", None, SPENT * len(rows))
+        return Accuracy("accurate", bound, f"'{name}'", None, SPENT * len(found.numbers))
 
     @property
     def may_look_again(self) -> bool:
@@ -147,12 +155,13 @@ class LaneWatch:
         kinds = watch.ranges.kinds(self.kernel.equations)
         for ends in self.ends:
             watch.ranges.take_likes(kinds, ends[lane])
-        rows = [row[lane] for row in self.differences]
+        rows, halves = _of_lane(self.differences, lane), _of_lane(self.halves, lane)
+        found = Windows.of(rows, self.grid, watch.ranges, len(times))
+        if watch.hidden(found, halves) is not None:
+            return None
         places = [*watch.places, *watch.latest[-1:]][: len(rows)]
         try:
-            return watch.judge(
-                places, [None if np.isnan(row).all() else row for row in rows], ended_early=False
-            )  # fmt: skip
+            return watch.judge(places, rows, lambda: halves, ended_early=False)
         except _OtherRunError:
             return None
 
@@ -161,6 +170,12 @@ class LaneWatch:
         found = np.full((len(samples), len(self.kernel.equations.channels)), np.nan)
         found[:, self.kept] = samples
         return found
+
+
+def _of_lane(parts: list[Vector] | list[Vector | None], lane: int) -> list[Vector | None]:
+    """Return the rows of a lane, None where they do not count."""
+    rows = [None if part is None else part[lane] for part in parts]
+    return [None if row is None or np.isnan(row).all() else row for row in rows]
 
 
 class _OtherRunError(Exception):

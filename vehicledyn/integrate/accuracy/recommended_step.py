@@ -46,8 +46,9 @@ def recommended_step(watch: WatchedRun, moved: Moved) -> Advice:
     """Return the step that brings the error of a run below a hundredth.
 
     It begins from the step that the method's order foretells where the error is small enough for
-    that, else from half the step, and halves it until half of that moves no figure any more. Where
-    that would cost too much, the foretold step stands, or what the motion at the start needs.
+    that, else from half the step, or the part of it that sees what halves do not, and halves it
+    until half of that moves no figure any more. Where that would cost too much, the foretold step
+    stands, or what the motion at the start needs.
 
     Parameters
     ----------
@@ -56,11 +57,12 @@ def recommended_step(watch: WatchedRun, moved: Moved) -> Advice:
     moved
         How far it moves with half its step.
     """
-    grid, longest, foretold = watch.grid, 0.5 * watch.grid.step, None
-    if moved.error < _ASYMPTOTIC:
+    grid, longest, foretold = watch.grid, watch.grid.step / watch.divided, None
+    if moved.error < _ASYMPTOTIC and watch.divided == 2:
         ratio = (_AIM / moved.error) ** (1.0 / order_of(grid.method))
         foretold = dividing_step(min(longest, grid.step * ratio), grid.interval)
-    tried = _Halvings(watch, foretold or dividing_step(longest, grid.interval))
+    begin = foretold or (dividing_step(longest, grid.interval) if watch.divided == 2 else longest)
+    tried = _Halvings(watch, begin)
     if not moved.goes_on:
         tried.go(_AIM if foretold is None else _NEAR_AIM)
     if tried.settled is not None:
@@ -73,6 +75,8 @@ def recommended_step(watch: WatchedRun, moved: Moved) -> Advice:
         return Advice(foretold, tried.spent)
     stable = watch.stable_step()
     shortest = min(longest, stable or longest, tried.finest or longest)
+    if watch.divided != 2:
+        return Advice(min(longest, tried.finest or longest), tried.spent)
     return Advice(dividing_step(shortest, grid.interval), tried.spent)
 
 
@@ -97,7 +101,8 @@ class _Halvings:
             again = taken_again(watch, watch.places[0], count, way)
             self.spent += again.steps
             if before is not None:
-                self.errors.append(apart(watch, before, again)[0])
+                finer = again.ranges.scales()
+                self.errors.append(apart(watch, before, again, scales=finer)[0])
                 if self.errors[-1] <= allowed:
                     self.settled = 2.0 * way.step
                     return

@@ -10,9 +10,11 @@ touches the run itself.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vehicledyn.integrate.accuracy.half_step_run import (
     MOVED,
@@ -22,16 +24,20 @@ from vehicledyn.integrate.accuracy.half_step_run import (
     look_at_start,
 )
 from vehicledyn.integrate.accuracy.recommended_step import recommended_step
-from vehicledyn.integrate.accuracy.watched_run import DivergenceError, WatchedRun
+from vehicledyn.integrate.accuracy.watched_run import SEEN, DivergenceError, WatchedRun
 from vehicledyn.integrate.accuracy.windows import (
+    HALF,
     SPENT,
     STEPS,
+    UNEVEN,
     Grid,
+    Pieces,
     WindowStart,
     may_be_repeated,
     order_of,
     total_error,
 )
+from vehicledyn.integrate.channel_ranges import Ranges
 from vehicledyn.integrate.estimated_accuracy import Accuracy
 from vehicledyn.kernel.engine import Vector
 from vehicledyn.kernel.kernel import Kernel
@@ -49,8 +55,84 @@ _STARTED, _FEWEST = 0.002, 3
 the first of so many windows is the only one to ask for that: what a start sets off fades.
 """
 
+_MUCH = 3.0
+"""Times the error of windows with halves that uneven steps must find to count alone."""
+
 _GROWN, _ERRING = 1e3, 0.05
 """Growth of a range from the first half to the whole run, with errors, that marks divergence."""
+
+
+def finer_steps(number: int) -> Pieces:
+    """Return the finer steps of a window by its number in the run: halves, then uneven ones."""
+    return UNEVEN if number % 2 else HALF
+
+
+@dataclass(frozen=True)
+class Windows:
+    """Errors in windows, in parts of ranges, shape (n_windows, n_channels).
+
+    ``numbers`` are those of the windows in the run, which has ``n_steps``.
+    """
+
+    numbers: list[int]
+    errors: Vector
+    n_steps: int
+
+    @classmethod
+    def of(
+        cls, rows: Sequence[Vector | None], grid: Grid, ranges: Ranges, n_samples: int
+    ) -> Windows:
+        """Return them from how far finer steps lead elsewhere, None where that does not count."""
+        numbers = [k for k, row in enumerate(rows) if row is not None]
+        scales = ranges.scales()
+        with np.errstate(all="ignore"):
+            found = np.array([rows[k] for k in numbers]).reshape(len(numbers), len(scales))
+            errors = total_error(found, grid.method) / scales
+        errors = np.nan_to_num(errors, nan=np.inf, posinf=np.inf)
+        return cls(numbers, errors, n_samples * grid.per_interval)
+
+    def bounds(self) -> Vector:
+        """Return what they add up to in all steps, shape (n_channels,).
+
+        Where uneven steps find much more than halves, theirs alone count.
+        """
+        if not self.errors.size:
+            return np.zeros(self.errors.shape[1])
+        parts = [self.errors[which] for which in (self._are_uneven, ~self._are_uneven)]
+        uneven, halves = (np.mean(part, axis=0) if len(part) else np.inf for part in parts)
+        usual = self.errors.mean(axis=0)
+        found = np.where(np.isfinite(uneven) & (uneven > _MUCH * halves), uneven, usual)
+        return np.asarray(found * max(1.0, self.n_steps / STEPS))
+
+    def bound(self) -> tuple[float, int]:
+        """Return what they add up to in the worst channel, and its number."""
+        bounds = self.bounds()
+        worst = int(np.argmax(bounds)) if bounds.size else 0
+        return (float(bounds[worst]) if bounds.size else 0.0), worst
+
+    def hidden(self, halves: Windows, most: float) -> tuple[int, int] | None:
+        """Return row and channel of what uneven steps see and halves do not, None if nothing.
+
+        ``halves`` are the errors that halves find in the windows with uneven steps; ``most`` is the
+        bound that matters.
+        """
+        rows = [k for k, number in enumerate(self.numbers) if number in halves.numbers]
+        if not rows or not halves.errors.size:
+            return None
+        found, seen = self.errors[rows].mean(axis=0), halves.errors.mean(axis=0)
+        is_hidden = (seen < SEEN * found) & (found * max(1.0, self.n_steps / STEPS) > most)
+        if not is_hidden.any():
+            return None
+        channel = int(np.argmax(np.where(is_hidden, found, 0.0)))
+        return max(rows, key=lambda row: self.errors[row, channel]), channel
+
+    def without_first(self) -> Windows:
+        """Return all of them but the first."""
+        return replace(self, numbers=self.numbers[1:], errors=self.errors[1:])
+
+    @property
+    def _are_uneven(self) -> NDArray[np.bool_]:
+        return np.array([finer_steps(k) is UNEVEN for k in self.numbers], dtype=bool)
 
 
 @dataclass
@@ -77,37 +159,67 @@ class AccuracyWatch(WatchedRun):
         self.measure_kept()
         ends = self.latest[:-1] if ended_early else self.latest[-1:]
         places = [*self.places, *(p for p in ends if p.index > self.places[-1].index)]
-        return self.judge(places, [self.window(p) for p in places], ended_early=ended_early)
+        rows = [self.window(p, finer_steps(k)) for k, p in enumerate(places)]
+
+        def halves() -> list[Vector | None]:
+            uneven = [row is not None and finer_steps(k) is UNEVEN for k, row in enumerate(rows)]
+            return [
+                self.window(place) if is_uneven else None
+                for place, is_uneven in zip(places, uneven, strict=True)
+            ]
+
+        return self.judge(places, rows, halves, ended_early=ended_early)
 
     def judge(
-        self, places: list[WindowStart], rows: list[Vector | None], *, ended_early: bool
+        self,
+        places: list[WindowStart],
+        rows: list[Vector | None],
+        halves: Callable[[], list[Vector | None]],
+        *,
+        ended_early: bool,
     ) -> Accuracy:
-        """Return the same from windows at some places, see :meth:`window`; None does not count."""
-        found = [(p, row) for p, row in zip(places, rows, strict=True) if row is not None]
-        n_channels = len(self.names)
-        with np.errstate(all="ignore"):
-            errors = np.array([row for _, row in found]).reshape(len(found), n_channels)
-            errors = total_error(errors, self.grid.method) / self.ranges.scales()
-        errors = np.nan_to_num(errors, nan=np.inf, posinf=np.inf)
-        if ended_early and (not found or ends_without_reason(self)):
-            found, errors = [(self.places[0], errors)], np.full((1, n_channels), np.inf)
-        return self._judge([place for place, _ in found], errors, ended_early=ended_early)
+        """Return the same from windows at some places, see :meth:`window`; None does not count.
 
-    def _judge(self, places: list[WindowStart], errors: Vector, *, ended_early: bool) -> Accuracy:
-        """Return what is to be said of the errors in windows, shape (n_windows, n_channels)."""
-        spent = SPENT * len(places)
-        bound, worst = bound_of(errors, self.taken * self.grid.per_interval)
+        The finer steps of each are those of :func:`finer_steps`; ``halves`` returns what halves
+        would lead to in windows with uneven steps.
+        """
+        found = Windows.of(rows, self.grid, self.ranges, self.taken)
+        if ended_early and (not found.numbers or ends_without_reason(self)):
+            lost = np.full((1, len(self.names)), np.inf)
+            found, places = replace(found, numbers=[0], errors=lost), self.places[:1]
+        return self._judge(places, found, halves, ended_early=ended_early)
+
+    def hidden(self, found: Windows, halves: list[Vector | None]) -> tuple[int, int] | None:
+        """Return what halves do not see, see :meth:`Windows.hidden`."""
+        seen = Windows.of(halves, self.grid, self.ranges, self.taken)
+        return found.hidden(seen, most_bound(self.kernel, self.grid))
+
+    def _judge(
+        self,
+        places: list[WindowStart],
+        found: Windows,
+        halves: Callable[[], list[Vector | None]],
+        *,
+        ended_early: bool,
+    ) -> Accuracy:
+        """Return what is to be said of the errors in windows."""
+        spent, errors = SPENT * len(found.numbers), found.errors
+        bound, worst = found.bound()
         most = most_bound(self.kernel, self.grid)
         is_off = energy_is_off(self)
         if bound <= most and not is_off:
             name = f"'{self.names[worst]}'" if self.names else ""
             return Accuracy("accurate", bound, name, None, spent)
-        if not (is_off or ended_early) and self._starts_only(places, errors, most):
-            begun = look_at_start(self, places[0])
+        kept = [places[k] for k in found.numbers]
+        hidden = None if ended_early else self.hidden(found, halves())
+        if hidden is not None:
+            self.divide_to_see(kept[hidden[0]], hidden[1])
+        if not (is_off or ended_early) and self._starts_only(kept, found, most):
+            begun = look_at_start(self, kept[0])
             spent += begun.extra_steps
             if begun.error <= _STARTED:
                 return Accuracy("accurate", begun.error, begun.worst, None, spent)
-        moved = look_again(self, places, errors, ended_early=ended_early)
+        moved = look_again(self, kept, errors, ended_early=ended_early)
         spent += moved.extra_steps
         if moved.error <= MOVED:
             return Accuracy("accurate", moved.error, moved.worst, None, spent)
@@ -123,11 +235,11 @@ class AccuracyWatch(WatchedRun):
             "" if advice.step is not None else moved.failure,
         )
 
-    def _starts_only(self, places: list[WindowStart], errors: Vector, most: float) -> bool:
+    def _starts_only(self, places: list[WindowStart], found: Windows, most: float) -> bool:
         """Return whether no window but that at the start asks for a second look."""
         if len(places) < _FEWEST or places[0] is not self.places[0]:
             return False
-        return bound_of(errors[1:], self.taken * self.grid.per_interval)[0] <= most
+        return found.without_first().bound()[0] <= most
 
     def _diverged(self, errors: Vector) -> bool:
         """Return whether a channel grew out of all proportion, by errors of the last window."""
@@ -140,16 +252,3 @@ def most_bound(kernel: Kernel, grid: Grid) -> float:
     """Return what errors in windows may add up to without a second look, as a part of a range."""
     limits = _MOST_IF_CHEAP if may_be_repeated(kernel, grid) else _MOST_BOUND
     return limits[order_of(grid.method)]
-
-
-def bound_of(errors: Vector, n_steps: int) -> tuple[float, int]:
-    """Return what errors in windows add up to in all steps of a run.
-
-    ``errors`` have the shape (n_windows, n_channels). Returned are the largest bound of any channel
-    and the number of that channel.
-    """
-    if not errors.size:
-        return 0.0, 0
-    bounds = errors.mean(axis=0) * max(1.0, n_steps / STEPS)
-    worst = int(np.argmax(bounds))
-    return float(bounds[worst]), worst

@@ -12,7 +12,12 @@ from numpy.typing import NDArray
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.integrate.accuracy.proposed_step import proposed_step
 from vehicledyn.integrate.accuracy.windows import (
+    HALF,
+    STEPS,
+    UNEVEN,
+    WHOLE,
     Grid,
+    Pieces,
     WindowEnds,
     WindowStart,
     is_stuck,
@@ -29,6 +34,12 @@ from vehicledyn.symbolic.equations import Equations
 
 _LATEST = 3
 """Samples before an early end of a run at which windows begin, and that of the end itself."""
+
+_PARTS = 5, 3, 7
+"""Parts of a step to try where halves do not see what uneven steps see."""
+
+SEEN = 0.5
+"""Part of what uneven steps see that others must see to serve in their place."""
 
 _HUGE = 1e12
 """State, in SI units or in its values at the start, beyond which no vehicle gets."""
@@ -64,13 +75,15 @@ class WatchedRun:
     """Collects what is needed to judge a run with a fixed step.
 
     ``equations`` are those whose channels the run delivers; the kernel may change on the way.
-    ``rerun`` takes a part of the run again. ``spares`` lie half way between the ``places``.
+    ``rerun`` takes a part of the run again. ``divided`` are the parts of a step that a finer run
+    takes. ``spares`` lie half way between the ``places``.
     """
 
     equations: Equations
     grid: Grid
     judged: Judged
     rerun: Rerun
+    divided: int = 2
     taken: int = 0
     places: list[WindowStart] = field(default_factory=list)
     spares: list[WindowStart] = field(default_factory=list)
@@ -203,29 +216,52 @@ class WatchedRun:
             f"integration diverges with a step of {self.grid.step * 1e3:.4g} ms; take {advice}"
         )
 
-    def window(self, place: WindowStart) -> Vector | None:
-        """Return how far half the step leads from the step in the judged channels.
+    def window(self, place: WindowStart, finer: Pieces = HALF) -> Vector | None:
+        """Return how far finer steps lead from the step in the judged channels.
 
         Where the kernel by itself gets stuck, as in a singular configuration that the run passes in
         another way, the window half way to the next one stands for it.
         """
-        one, other = self._two_ends(place)
+        one, other = self._two_ends(place, finer)
         if is_stuck(one) or is_stuck(other):
             spare = next((spare for spare in self.spares if spare.index > place.index), None)
             if spare is not None:
                 place = spare
-                one, other = self._two_ends(place)
+                one, other = self._two_ends(place, finer)
         _, columns, kinds, _ = self._seen_as(place.kernel, place.state)
         if one is not None:
             self.ranges.take_likes(kinds, one)
         apart = two_ends_apart(one, other)
         return None if apart is None else np.where(columns >= 0, apart[columns], 0.0)
 
-    def _two_ends(self, place: WindowStart) -> tuple[Vector | None, Vector | None]:
-        """Return the ends of a window with the step and with half of it."""
+    def divide_to_see(self, place: WindowStart, channel: int) -> None:
+        """Divide steps so that they move a judged channel as uneven ones do.
+
+        Halves are left where nothing else does, or uneven steps do not get to the window's end.
+        """
+        ends = self._ends_of(place)
+        column = self._seen_as(place.kernel, place.state).columns[channel]
+        one, uneven = ends.end(place, WHOLE), ends.end(place, UNEVEN)
+        if one is None or uneven is None or column < 0:
+            return
+        with np.errstate(all="ignore"):
+            wanted = SEEN * abs(uneven[column] - one[column])
+            for parts in _PARTS:
+                other = ends.end(place, ((1.0, parts * STEPS),))
+                if other is not None and abs(other[column] - one[column]) >= wanted:
+                    self.divided = parts
+                    return
+
+    def _two_ends(self, place: WindowStart, finer: Pieces) -> tuple[Vector | None, Vector | None]:
+        """Return the ends of a window with the step and with finer ones."""
+        ends = self._ends_of(place)
+        return ends.end(place, WHOLE), ends.end(place, finer)
+
+    def _ends_of(self, place: WindowStart) -> WindowEnds:
+        """Return what takes windows with the kernel of a place."""
         if self._ends is None or self._ends.kernel is not place.kernel:
             self._ends = WindowEnds(self.grid, place.kernel)
-        return self._ends.end(place, 1), self._ends.end(place, 2)
+        return self._ends
 
     def stable_step(self) -> float | None:
         """Return the step that suits the motion at the start [s], None where it is not known."""

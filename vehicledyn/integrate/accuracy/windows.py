@@ -1,10 +1,15 @@
-"""Short stretches of a run taken again with its step and with half of it, for their difference."""
+"""Short stretches of a run taken again with its step and with half of it, for their difference.
+
+Forces whose period divides the step and half of it act on both alike, whatever they are between.
+Every second window therefore has uneven steps in place of halves, which have no measure in common.
+"""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -15,6 +20,14 @@ from vehicledyn.kernel.kernel import Kernel
 
 STEPS = 4
 """Steps of a window: an unstable mode has shown itself by then, and the price is low."""
+
+Pieces: TypeAlias = Sequence[tuple[float, int]]
+"""Parts of a window, of which each has so many steps."""
+
+WHOLE: Pieces = ((1.0, STEPS),)
+HALF: Pieces = ((1.0, 2 * STEPS),)
+UNEVEN: Pieces = ((3.0**-0.5, 5), (1.0 - 3.0**-0.5, 3))
+"""The steps of the run, halves, and as many that are 0.462 and 0.564 of a step."""
 
 SPENT = 3 * STEPS
 """Steps that a window takes, with the step and with half of it."""
@@ -147,15 +160,15 @@ class WindowEnds:
         self._march = March(grid.method, 0.0, span, STEPS, state, unknowns, sides=sides)
         self._rows = Rows(*[np.zeros((2, len(part))) for part in (state, unknowns, e.channels)])
 
-    def end(self, place: WindowStart, divided: int) -> Vector | None:
-        """Return the channels at the end of a window whose steps are parts of the run's.
+    def end(self, place: WindowStart, pieces: Pieces) -> Vector | None:
+        """Return the channels at the end of a window with some steps.
 
         Parameters
         ----------
         place
             Where the window begins.
-        divided
-            Parts of a step of the run, 1 for the step itself.
+        pieces
+            Its parts with the steps in each.
 
         Returns
         -------
@@ -164,39 +177,58 @@ class WindowEnds:
             interrupts.
         """
         if self._grid.solver is not None:
-            return _solved_end(self._grid, place, divided)
+            return _solved_end(self._grid, place, pieces)
         march = self._march
-        march.start, march.step, march.per_interval = place.time, 0, STEPS * divided
         march.state[:], march.unknowns[:] = place.state, place.unknowns
-        march.memory[:], march.sides[:] = 0.0, 0
-        status = self.kernel.advance(march, march.per_interval, self._rows)
-        if status is Status.EVENT:
-            return None
-        if status is not Status.SOLVED or not march.ledger.counts[Count.SAMPLES]:
-            return np.full(self._rows.outputs.shape[1], np.inf)
+        for start, span, count in timed(self._grid, place.time, pieces):
+            march.start, march.interval, march.step, march.per_interval = start, span, 0, count
+            march.memory[:], march.sides[:] = 0.0, 0
+            status = self.kernel.advance(march, count, self._rows)
+            if status is Status.EVENT:
+                return None
+            if status is not Status.SOLVED or not march.ledger.counts[Count.SAMPLES]:
+                return np.full(self._rows.outputs.shape[1], np.inf)
         found: Vector = self._rows.outputs[0].copy()
         return found
 
 
-def _solved_end(grid: Grid, place: WindowStart, divided: int) -> Vector | None:
+def timed(grid: Grid, begin: float, pieces: Pieces) -> list[tuple[float, float, int]]:
+    """Return start [s], length [s] and number of steps of the pieces of a window."""
+    found, part = [], 0.0
+    for share, count in pieces:
+        span = STEPS * grid.step
+        found.append((begin + part * span, share * span, count))
+        part += share
+    return found
+
+
+def _solved_end(grid: Grid, place: WindowStart, pieces: Pieces) -> Vector | None:
     """Return the same for a method whose steps are taken outside of the kernel."""
-    found: list[Vector] = []
-    span = STEPS * grid.step
-    try:
-        done = simulate(
-            place.kernel,
-            grid.solver.model_copy(update={"step": grid.step / divided}),
-            start=place.time,
-            stop=place.time + span,
-            state=place.state,
-            unknowns=place.unknowns,
-            interval=span,
-            sink=lambda times, states, unknowns, outputs: found.append(outputs[-1]),
-            watched=False,
-        )
-    except NumericalError:
-        return np.full(len(place.kernel.equations.channels), np.inf)
-    return None if done.events else found[-1]
+    found: list[tuple[Vector, Vector, Vector]] = []
+    state, unknowns = place.state, place.unknowns
+
+    def keep(_: Vector, states: Vector, unknowns: Vector, outputs: Vector) -> None:
+        found.append((states[-1].copy(), unknowns[-1].copy(), outputs[-1].copy()))
+
+    for start, span, count in timed(grid, place.time, pieces):
+        try:
+            done = simulate(
+                place.kernel,
+                grid.solver.model_copy(update={"step": span / count}),
+                start=start,
+                stop=start + span,
+                state=state,
+                unknowns=unknowns,
+                interval=span,
+                sink=keep,
+                watched=False,
+            )
+        except NumericalError:
+            return np.full(len(place.kernel.equations.channels), np.inf)
+        if done.events:
+            return None
+        state, unknowns, outputs = found[-1]
+    return outputs
 
 
 def operations_of_step(kernel: Kernel, method: int) -> float:
