@@ -10,7 +10,7 @@ from __future__ import annotations
 import base64
 import zlib
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, fields, replace
 from typing import TYPE_CHECKING, Any
 
 from vehicledyn.symbolic.equations import (
@@ -81,7 +81,8 @@ def expressions_of(equations: Equations) -> dict[str, Any]:
     packed = [casadi.SX(getattr(e, name)) for name in names]
     found: dict[str, Any] = {"names": names}
     if e.seam is not None:
-        packed.append(casadi.SX(e.seam.values))
+        packed += [casadi.SX(getattr(e.seam.opened, name)) for name in names]
+        packed += [casadi.SX(e.seam.symbols), casadi.SX(e.seam.values)]
         found["seam"] = {"names": e.seam.names, "parts": e.seam.parts}
     serializer = casadi.StringSerializer()
     serializer.pack(packed)
@@ -122,11 +123,16 @@ def whole_equations(
     for table in known["tables"]:
         table.announce()
     know_shared(found)
-    given = dict(zip(expressions["names"], found, strict=False))
+    names = expressions["names"]
+    given = dict(zip(names, found, strict=False))
+    whole = Equations(**known, **given, constrained=constrained, motion_residuals=motion_residuals)
     seam = expressions.get("seam")
-    if seam is not None:
-        given["seam"] = Seam(tuple(seam["names"]), found[-1], tuple(seam["parts"]))
-    return Equations(**known, **given, constrained=constrained, motion_residuals=motion_residuals)
+    if seam is None:
+        return whole
+    opened = replace(whole, **dict(zip(names, found[len(names) : -2], strict=True)))
+    *_, symbols, values = found
+    parts = tuple(seam["parts"])
+    return replace(whole, seam=Seam(tuple(seam["names"]), symbols, values, parts, opened))
 
 
 def equations_from(facts: dict[str, Any], source: Callable[[], Equations]) -> Equations:

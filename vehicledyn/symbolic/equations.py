@@ -113,16 +113,20 @@ class Attitude:
 class Seam:
     """What the surroundings of a model, such as driver and manoeuvre, hand to it.
 
-    ``values``, shape (n,), are functions of (t, x, z, p) by their ``names``. ``parts`` are the
-    surroundings; states and channels are theirs whose names begin with that of one.
+    ``symbols`` and ``values``, shape (n,), stand for it and say what it is as functions of
+    (t, x, z, p), by their ``names``. ``parts`` are the surroundings; states, channels and events
+    are theirs whose names begin with that of one. ``opened`` are the same equations with the
+    symbols in place of the values.
     """
 
     names: tuple[str, ...]
+    symbols: Expression
     values: Expression
     parts: tuple[str, ...]
+    opened: Equations
 
     def owns(self, name: str) -> bool:
-        """Return whether a state or channel is one of the surroundings."""
+        """Return whether a state, channel or event is one of the surroundings."""
         return any(name.startswith(f"{part}.") for part in self.parts)
 
 
@@ -175,9 +179,21 @@ class Equations:
 
 
 def with_tables(equations: Equations) -> Equations:
-    """Return equations that hold the tables which their expressions look up."""
+    """Return equations that hold the tables which their expressions look up.
+
+    Those of the model come before those of its surroundings alone.
+    """
     from vehicledyn.symbolic.table_calls import tables_in
 
+    e, seam = equations, equations.seam
+    opened = [] if seam is None else _expressions(seam.opened)
+    tables = tables_in([*opened, *_expressions(e)])
+    if seam is not None:
+        seam = replace(seam, opened=replace(seam.opened, tables=tables))
+    return replace(e, tables=tables, seam=seam)
+
+
+def _expressions(equations: Equations) -> list[Expression]:
     e = equations
     others = [item for item in (e.slopes, e.reset) if item is not None]
-    return replace(e, tables=tables_in([e.rate, e.residual, e.output, e.event, *others]))
+    return [e.rate, e.residual, e.output, e.event, *others]

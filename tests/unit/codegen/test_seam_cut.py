@@ -33,7 +33,8 @@ def cart(driver, *, mass=1.3):
     """A mass on a curve with a loop, pushed by a driver who sees it and moves its support."""
     t, x, v, w, k, m, gain = symbols("t", "x", "v", "w", "k", "m", "driver.gain")
     ground, seen = height(), quintic()
-    states, rates, support, push = driver(t, x, v, gain, seen)
+    states, rates, *values = driver(t, x, v, gain, seen)
+    support, push = handed = symbols("support", "push")
     residual = w + 0.2 * w**3 - seen.value(x + 0.5 * w) - 0.1 * support
     force = push / m - ground.slope(x) * ca.cos(x) - (k + ca.sin(k)) * (x - support)
     equations = build(
@@ -53,13 +54,14 @@ def cart(driver, *, mass=1.3):
         blocks=(Block("loop", 0, 1, 1e-10),),
         events=(Event("top", 0, "rising", resets=((1, 0),)),),
     )
-    equations = replace(
-        equations,
-        event=ca.vertcat(x - 0.9 - support),
-        reset=ca.vertcat(-0.5 * v + push),
-        seam=Seam(("support", "push"), ca.vertcat(support, push), ("driver",)),
+    opened = replace(
+        equations, event=ca.vertcat(x - 0.9 - support), reset=ca.vertcat(-0.5 * v + push)
     )
-    return with_tables(equations)
+    names = ("rate", "residual", "output", "event", "reset")
+    column, given = ca.vertcat(*handed), ca.vertcat(*values)
+    columns = ca.substitute([getattr(opened, name) for name in names], [column], [given])
+    seam = Seam(("support", "push"), column, given, ("driver",), opened)
+    return with_tables(replace(opened, seam=seam, **dict(zip(names, columns, strict=True))))
 
 
 def hurried(t, x, v, gain, seen):
@@ -73,6 +75,12 @@ def firm(*given):
     """Push otherwise."""
     states, rates, support, push = hurried(*given)
     return states, [2.0 * rates[0]], support, ca.tanh(push)
+
+
+def idle(t, x, v, gain, seen):
+    """Hold the support where it is, and push by a constant times what the model has, too."""
+    (lag,) = symbols("driver.lag")
+    return [(lag, 0.2)], [-lag], 0.0, -3.0 * v
 
 
 def calm(t, x, v, gain, seen):
@@ -91,7 +99,7 @@ def values(kernel, equations):
     return np.concatenate([*found, kernel.event_values(*at), kernel.reset_values(*at)])
 
 
-@pytest.mark.parametrize("driver", [hurried, calm])
+@pytest.mark.parametrize("driver", [hurried, calm, idle])
 def test_cut_changes_no_value(folder, driver):
     equations = cart(driver)
     cut = compile_kernel(equations, backend="compiled")
@@ -117,8 +125,9 @@ def test_lanes_are_cut_alike(folder, driver, lanes=4):
     assert np.array_equal(rates[: alone.size, lanes - 1], alone)
 
 
-def test_another_driver_finds_the_model_compiled(folder):
-    first, second = cart(hurried), cart(firm)
+@pytest.mark.parametrize("driver", [firm, calm, idle])
+def test_another_driver_finds_the_model_compiled(folder, driver):
+    first, second = cart(hurried), cart(driver)
     assert fingerprint(first) != fingerprint(second)
     compile_kernel(first, backend="compiled")
     (known,) = folder.glob("*.o")
@@ -134,7 +143,9 @@ def test_another_driver_finds_the_model_compiled(folder):
 def test_another_model_is_another_model():
     keys = {seam_cut.cut_at_seam(cart(hurried)).model_key}
     plain = cart(hurried)
-    changed = replace(plain, rate=ca.vertcat(plain.rate[0], 2.0 * plain.rate[1], plain.rate[2]))
+    opened = plain.seam.opened
+    rate = ca.vertcat(opened.rate[0], 2.0 * opened.rate[1], opened.rate[2])
+    changed = replace(plain, seam=replace(plain.seam, opened=replace(opened, rate=rate)))
     keys.add(seam_cut.cut_at_seam(changed).model_key)
     keys.add(seam_cut.cut_at_seam(cart(hurried, mass=2.0)).model_key)
     assert len(keys) == 2  # values of parameters are no part of what is compiled

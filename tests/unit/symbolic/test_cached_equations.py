@@ -1,6 +1,7 @@
 """Equations that were written as a text are the same: values, derivatives, tables, functions."""
 
 import json
+from dataclasses import replace
 from weakref import WeakValueDictionary
 
 import casadi as ca
@@ -34,7 +35,8 @@ def model():
 
     found = shared.shared("pair", [x[0], x[1]], body)
     rate = ca.vertcat(CURVE.value(x[0] * x[1]) + found[0] * found[1], p * found[1] - time)
-    return with_tables(
+    handed = ca.SX.sym("s")
+    whole = with_tables(
         Equations(
             name="pair",
             time=time,
@@ -52,9 +54,10 @@ def model():
             events=(Event("zero", 0, resets=((0, 0),)),),
             attitudes=(Attitude((0, 1, 0, 1), (0, 1, 0)),),
             reset=2.0 * x[0],
-            seam=Seam(("s",), p * x, ("driver",)),
         )
     )
+    opened = replace(whole, rate=rate + handed)
+    return replace(whole, seam=Seam(("s",), handed, p * x, ("driver",), opened))
 
 
 def read_again(equations):
@@ -85,6 +88,8 @@ def test_values_and_derivatives_are_the_same():
         before.parameters,
     )
     assert (after.seam.names, after.seam.parts) == (("s",), ("driver",))
+    opened = ca.Function("opened", [after.seam.symbols], [after.seam.opened.rate - after.rate])
+    assert np.array_equal(np.array(opened(0.25)).ravel(), [0.25, 0.25])
     assert after.slopes is None
     for found, expected in zip(numbers(after), numbers(before), strict=True):
         assert np.isfinite(found).all()

@@ -48,7 +48,7 @@ class Derived:
         from vehicledyn.multibody.equations.derivation import solve_motion
 
         with undisturbed(), told_with_places(self.target):
-            return solve_motion(self.subject.system)
+            return solve_motion(self.subject.system, apart=True)
 
     @cached_property
     def equations(self) -> Equations:

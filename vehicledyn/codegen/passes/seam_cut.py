@@ -10,19 +10,20 @@ What both need of the motion each computes for itself.
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from vehicledyn.codegen.ir.sx_graph import Node, Rebuild, calls_of, read_nodes
+from vehicledyn.codegen.ir.sx_graph import calls_of, read_nodes
 from vehicledyn.codegen.passes.kernel_functions import (
     apart_in_functions,
     as_written,
+    event_expressions,
     kernel_columns,
     operations_in,
 )
-from vehicledyn.symbolic.equations import Equations
+from vehicledyn.symbolic.equations import Equations, Seam
 from vehicledyn.symbolic.tables import table_of
 
 _LARGE = 4_000
@@ -65,154 +66,107 @@ class SeamCut:
     model_places: dict[str, list[int]]
     own_places: dict[str, list[int]]
     handed: tuple[str, ...]
-    _graph: _Graph
-    _own: dict[str, tuple[list[int | None], list[int]]]
+    _symbols: Any
+    _model: dict[str, Any]
+    _own: dict[str, tuple[Any, Any]]
 
     @cached_property
     def model(self) -> Half:
         """The functions of the model, of (t, x, z, u, c)."""
-        e, graph = self.equations, self._graph
-        given = [e.time, e.state, e.algebraic, graph.handed_symbols, e.parameter]
-        values = graph.rebuilt(graph.order, handed=True)
-        columns = [_column([values[k] for k in items]) for items in graph.model_results.values()]
-        prepare, functions = apart_in_functions(
-            list(graph.model_results), given, [[column] for column in columns], e.tables
-        )
-        return Half(prepare, functions)
+        e = self.equations
+        given = [e.time, e.state, e.algebraic, self._symbols, e.parameter]
+        columns = [[column] for column in self._model.values()]
+        return Half(*apart_in_functions(list(self._model), given, columns, e.tables))
 
     def surroundings(self, model_constants: int) -> Half:
         """Return the functions of the surroundings, of (t, x, z, c).
 
         ``model_constants`` is the number of constants of the model, which follow their own in c.
         """
-        e, graph = self.equations, self._graph
-        wanted = [k for handed, own in self._own.values() for k in (*handed, *own) if k is not None]
-        values = graph.rebuilt(_ordered(graph.nodes, wanted, set()), handed=False)
-        columns = [
-            [_column([0.0 if k is None else values[k] for k in items]) for items in pair]
-            for pair in self._own.values()
-        ]
+        e, names = self.equations, list(self._own)
         given = [e.time, e.state, e.algebraic, e.parameter]
-        prepare, functions = apart_in_functions(
-            list(self._own), given, columns, e.tables, room=model_constants
-        )
-        return Half(prepare, functions)
-
-
-@dataclass(frozen=True)
-class _Graph:
-    """All values of some equations, and those of the model in their order of computation."""
-
-    function: Any
-    inputs: list[Any]
-    nodes: list[Node]
-    places: dict[int, int]
-    order: list[int]
-    model_results: dict[str, list[int]]
-    handed_symbols: Any
-
-    def rebuilt(self, order: Iterable[int], *, handed: bool) -> dict[int, Any]:
-        """Return the expressions of values; with ``handed`` symbols stand for what is handed."""
         with as_written():
-            rebuild = Rebuild(self.function, self.inputs, self.nodes)
-            found: dict[int, Any] = {}
-            if handed:
-                found |= {value: self.handed_symbols[k] for value, k in self.places.items()}
-            for value in order:
-                found[value] = rebuild.value(self.nodes[value], found)
-        return found
+            flat = iter(_shared([item for pair in self._own.values() for item in pair]))
+        columns = [(next(flat), next(flat)) for _ in names]
+        return Half(*apart_in_functions(names, given, columns, e.tables, room=model_constants))
 
 
 def cut_at_seam(equations: Equations) -> SeamCut | None:
     """Return equations cut at their seam; None where there is none, or the model is small."""
     import casadi
 
-    e = equations
-    if e.seam is None:
+    e, seam = equations, equations.seam
+    if seam is None:
         return None
-    names, columns, wave_starts = kernel_columns(e)
-    inputs = [e.time, e.state, e.algebraic, e.parameter]
-    dense = [casadi.densify(casadi.SX(item)) for item in (*columns, e.seam.values)]
+    names, columns, wave_starts = kernel_columns(seam.opened)
+    owned = _owned(e, seam)
+    own = {name: owned.get(name, []) for name in names}
+    model = {
+        name: sorted(set(range(column.numel())).difference(own[name]))
+        for name, column in zip(names, columns, strict=True)
+    }
     with as_written():
-        function = casadi.Function("all", inputs, casadi.cse(dense))
+        parts = _shared(
+            [_rows(column, model[name]) for name, column in zip(names, columns, strict=True)]
+        )
+    needs = [_needed(column, seam) for column in parts]
+    used = sorted(set().union(*needs), key=seam.names.__getitem__)
+    symbols = _rows(seam.symbols, used)
+    given = [e.time, e.state, e.algebraic, symbols, e.parameter]
+    with as_written():
+        function = casadi.Function("model", given, parts)
     if function.n_instructions() < _LARGE:
         return None
-    nodes, results = read_nodes(function)
-    handed = _handed(e.seam.names, nodes, sorted(results[-1]))
-    values = {
-        name: [value for _, value in sorted(found)]
-        for name, found in zip(names, results, strict=False)
-    }
-    owned = {"rates": [s.name for s in e.states], "outputs": [c.name for c in e.channels]}
-    own = {
-        name: [
-            k
-            for k, value in enumerate(items)
-            if value in handed or (name in owned and e.seam.owns(owned[name][k]))
-        ]
-        for name, items in values.items()
-    }
-    model = {
-        name: [k for k in range(len(items)) if k not in set(own[name])]
-        for name, items in values.items()
-    }
-    model_results = {name: [values[name][k] for k in model[name]] for name in names}
-    needs = {
-        name: handed.keys() & _reached(nodes, items, set(handed))
-        for name, items in model_results.items()
-    }
-    used = sorted(set().union(*needs.values()), key=lambda value: handed[value])
-    order = _ordered(nodes, [k for items in model_results.values() for k in items], set(used))
-    if len(order) < _LARGE:
-        return None
-    places = {value: k for k, value in enumerate(used)}
-    graph = _Graph(
-        function,
-        inputs,
-        nodes,
-        places,
-        order,
-        model_results,
-        casadi.SX.sym("handed", len(used)),
-    )
+    ours = {"rates": e.rate, "outputs": e.output}
+    ours |= dict(zip(("events", "resets"), event_expressions(e), strict=True))
     return SeamCut(
         e,
         wave_starts,
-        _key(e, graph),
+        _key(e, function, names, len(used)),
         model,
         own,
-        tuple(handed[value] for value in used),
-        graph,
+        tuple(seam.names[k] for k in used),
+        symbols,
+        dict(zip(names, parts, strict=True)),
         {
             name: (
-                [value if value in needs[name] else None for value in used],
-                [values[name][k] for k in own[name]],
+                _column([seam.values[k] if k in needed else 0.0 for k in used]),
+                _rows(ours[name], own[name]) if own[name] else _column([]),
             )
-            for name in names
+            for name, needed in zip(names, needs, strict=True)
         },
     )
 
 
-def _handed(
-    names: tuple[str, ...], nodes: list[Node], results: list[tuple[int, int]]
-) -> dict[int, str]:
-    """Return the values of the seam with their names.
+def _owned(equations: Equations, seam: Seam) -> dict[str, list[int]]:
+    """Return which elements of each function's result are those of the surroundings."""
+    e = equations
+    events = [k for k, event in enumerate(e.events) if seam.owns(event.name)]
+    return {
+        "rates": [k for k, state in enumerate(e.states) if seam.owns(state.name)],
+        "outputs": [k for k, channel in enumerate(e.channels) if seam.owns(channel.name)],
+        "events": events,
+        "resets": [row for k in events for _, row in (*e.events[k].resets, *e.events[k].guesses)],
+    }
 
-    Signs and conditions of a value go over to its sums and products, so it may be met without.
-    """
+
+def _needed(column: Any, seam: Seam) -> set[int]:
+    """Return which of the symbols of a seam are in a column."""
     import casadi
 
-    taken_over = {casadi.OP_NEG, casadi.OP_IF_ELSE_ZERO}
-    found: dict[int, str] = {}
-    stack = [(name, value) for name, (_, value) in zip(names, results, strict=True)]
-    while stack:
-        name, value = stack.pop()
-        code, operands, _ = nodes[value]
-        if code != casadi.OP_CONST:
-            found.setdefault(value, name)
-        if code in taken_over:
-            stack += [(f"{name}, {k}", operand) for k, operand in enumerate(operands)]
-    return found
+    found = {item.element_hash() for item in casadi.symvar(column)}
+    return {k for k in range(len(seam.names)) if seam.symbols[k].element_hash() in found}
+
+
+def _shared(columns: list[Any]) -> list[Any]:
+    """Return columns with what they have in common computed once."""
+    import casadi
+
+    return list(casadi.cse([casadi.densify(casadi.SX(item)) for item in columns]))
+
+
+def _rows(column: Any, places: Sequence[int]) -> Any:
+    return _column([column[k] for k in places])
 
 
 def _column(items: list[Any]) -> Any:
@@ -221,64 +175,20 @@ def _column(items: list[Any]) -> Any:
     return casadi.vertcat(casadi.SX(0, 1), *items)
 
 
-def _reached(nodes: list[Node], values: Iterable[int], ends: set[int]) -> set[int]:
-    """Return all that values are made from, up to and with some ends."""
-    found: set[int] = set()
-    stack = list(values)
-    while stack:
-        value = stack.pop()
-        if value in found:
-            continue
-        found.add(value)
-        if value not in ends:
-            stack += _operands(nodes[value])
-    return found
-
-
-def _operands(node: Node) -> tuple[int, ...]:
-    import casadi
-
-    return () if node[0] == casadi.OP_INPUT else node[1]
-
-
-def _ordered(nodes: list[Node], values: Iterable[int], ends: set[int]) -> list[int]:
-    """Return all that values are made from but the ends, each behind what it is made from.
-
-    The order follows from the values alone, whatever else the nodes hold.
-    """
-    order: list[int] = []
-    done = set(ends)
-    for first in values:
-        stack = [(first, False)]
-        while stack:
-            value, is_ready = stack.pop()
-            if is_ready:
-                order.append(value)
-            elif value not in done:
-                done.add(value)
-                stack.append((value, True))
-                stack += [(k, False) for k in reversed(_operands(nodes[value])) if k not in done]
-    return order
-
-
-def _key(equations: Equations, graph: _Graph) -> str:
+def _key(equations: Equations, function: Any, names: Sequence[str], n_handed: int) -> str:
     """Return a text that is equal for models that are computed alike."""
     import casadi
 
-    nodes = graph.nodes
-    calls = {k: _identity(item, equations) for k, item in calls_of(graph.function, nodes).items()}
-    number: dict[int, object] = {value: f"u{k}" for value, k in graph.places.items()}
-    lines: list[object] = []
-    for value in graph.order:
-        code, operands, detail = nodes[value]
-        if code != casadi.OP_INPUT:
-            operands = tuple(number[k] for k in operands)  # type: ignore[misc]
-        number[value] = len(lines)
-        lines.append((code, operands, calls[int(detail)] if code == casadi.OP_CALL else detail))
-    results = {name: [number[k] for k in items] for name, items in graph.model_results.items()}
+    nodes, results = read_nodes(function)
+    calls = {k: _identity(item, equations) for k, item in calls_of(function, nodes).items()}
+    lines = [
+        (code, operands, calls[int(detail)] if code == casadi.OP_CALL else detail)
+        for code, operands, detail in nodes
+    ]
     orders = [table.order for table in equations.tables]
-    sizes = len(graph.places), len(equations.parameters) if orders else 0
-    facts = (casadi.CasadiMeta.version(), sizes, orders, results, lines)
+    sizes = n_handed, len(equations.parameters) if orders else 0
+    found = [sorted(items) for items in results]
+    facts = (casadi.CasadiMeta.version(), sizes, orders, list(names), found, lines)
     return hashlib.sha256(repr(facts).encode()).hexdigest()
 
 

@@ -10,10 +10,11 @@ from vehicledyn.multibody.equations.impacts import Impacts
 from vehicledyn.multibody.equations.multipliers import Multipliers, Projection
 from vehicledyn.multibody.equations.outputs import Exerted, Solved, drifts, exerted, observe
 from vehicledyn.multibody.equations.part_events import collect_events
+from vehicledyn.multibody.equations.seam import Replacement
 from vehicledyn.multibody.loops.closure import MultiplierClosure
 from vehicledyn.multibody.loops.loop_closure import Loops
 from vehicledyn.multibody.model.bodies import Joint
-from vehicledyn.multibody.model.parts import Motion, Output, Part
+from vehicledyn.multibody.model.parts import Output, Part
 from vehicledyn.multibody.model.symbols import Symbols, locked
 from vehicledyn.multibody.model.system import System
 from vehicledyn.symbolic import frames, ops
@@ -71,7 +72,7 @@ def collect(
     loops: Loops,
     roles: Roles,
     solved: Solved,
-    moved: dict[str, Motion],
+    replacement: Replacement,
     multipliers: Multipliers | None = None,
     projection: Projection | None = None,
 ) -> Equations:
@@ -89,7 +90,7 @@ def collect(
         If two parts give a channel of the same name.
     """
     joints = symbols.joints
-    finished = _Finish(symbols, moved, projection)
+    finished = _Finish(replacement, projection)
     at, rates = (
         (symbols.coordinates, symbols.rates)
         if projection is None
@@ -150,16 +151,21 @@ def collect(
         impacts=impacts,
     )
     n = len(independent)
+    columns = {
+        "rate": ops.column(rate),
+        "residual": ops.column([*kept, *contact, *implicit]),
+        "output": ops.column([o.expression for o in outputs]),
+        "event": ops.column(found.functions),
+        "slopes": _slopes(loops, contact, implicit, unknowns=algebraic),
+        "reset": ops.column(found.new_values),
+    }
     equations = Equations(
         name=system.name,
         time=symbols.time,
         state=ops.column(state),
         algebraic=ops.column(algebraic),
         parameter=ops.column([e.symbol for e in system.table.entries]),
-        rate=finished(ops.column(rate)),
-        residual=finished(ops.column([*kept, *contact, *implicit])),
-        output=finished(ops.column([o.expression for o in outputs])),
-        event=finished(ops.column(found.functions)),
+        **{name: finished(column) for name, column in columns.items()},
         states=states,
         unknowns=unknowns,
         parameters=tuple(
@@ -175,32 +181,26 @@ def collect(
         events=tuple(found.events),
         velocities=tuple(range(n, 2 * n)),
         attitudes=_attitudes(turned, speeds, states),
-        slopes=finished(_slopes(loops, contact, implicit, unknowns=algebraic)),
-        reset=finished(ops.column(found.new_values)),
         structure=_structure(system, symbols, loops, roles, multipliers),
-        seam=_seam(system, solved, moved, finished),
     )
-    return with_tables(equations)
+    return with_tables(replace(equations, seam=_seam(system, equations, columns, finished)))
 
 
 def _seam(
-    system: System, solved: Solved, moved: dict[str, Motion], finished: _Finish
+    system: System, equations: Equations, columns: dict[str, Scalar], finished: _Finish
 ) -> Seam | None:
-    """Return what the surroundings hand to the rest: motions, forces, and numbers of wrenches."""
-    if not system.surroundings:
+    """Return what the surroundings hand to the rest, and the equations with symbols for it."""
+    names, symbols, values = finished.replacement.seam()
+    if not names:
         return None
-    values: dict[str, Scalar] = {}
-    for part in system.surroundings:
-        loads = solved.loads[part]
-        for name, acceleration in loads.accelerations.items():
-            motion = moved[name]
-            values[name] = motion.position
-            values[f"{name}, rate"] = motion.velocity
-            values[f"{name}, acceleration"] = acceleration
-        values |= {f"{name}, force of {part}": f for name, f in loads.joint_forces.items()}
-        values |= {f"{name} of {part}": value for name, value in loads.handed.items()}
-    column = ops.column([ops.scalar(value) for value in values.values()])
-    return Seam(tuple(values), finished(column), system.surroundings)
+    opened = {name: finished.opened(column) for name, column in columns.items()}
+    return Seam(
+        tuple(names),
+        ops.column(symbols),
+        ops.column(values),
+        system.surroundings,
+        replace(equations, **opened),
+    )
 
 
 def _reaction_residuals(
@@ -266,22 +266,19 @@ def _slopes(
 class _Finish:
     """Writes expressions of coordinates and rates as those of the states and of time."""
 
-    symbols: Symbols
-    moved: dict[str, Motion]
+    replacement: Replacement
     projection: Projection | None
 
     def __call__(self, expression: Scalar) -> Scalar:
         """Return an expression, its driven coordinates and rates replaced by their motions."""
-        if self.projection is not None:
-            expression = self.projection.applied(expression)
-        return driven_motions(self.symbols, self.moved, expression)
+        return self.replacement(self._projected(expression))
 
+    def opened(self, expression: Scalar) -> Scalar:
+        """Return an expression that keeps the symbols of what surroundings hand over."""
+        return self.replacement.opened(self._projected(expression))
 
-def driven_motions(symbols: Symbols, moved: dict[str, Motion], expression: Scalar) -> Scalar:
-    """Return an expression, its driven coordinates and rates replaced by their motions."""
-    old = [symbols.coordinates[n] for n in moved] + [symbols.rates[n] for n in moved]
-    new = [m.position for m in moved.values()] + [m.velocity for m in moved.values()]
-    return ops.substitute(expression, ops.column(old), ops.column(new))
+    def _projected(self, expression: Scalar) -> Scalar:
+        return expression if self.projection is None else self.projection.applied(expression)
 
 
 def _coordinate(joint: Joint, start: float) -> Variable:

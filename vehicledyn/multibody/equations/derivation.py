@@ -13,12 +13,12 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.multibody.equations.assemble_equations import (
     Roles,
     collect,
-    driven_motions,
     roles_of,
 )
 from vehicledyn.multibody.equations.multipliers import Multipliers, Projection, multipliers_of
 from vehicledyn.multibody.equations.outputs import Solved
 from vehicledyn.multibody.equations.residual_form import Unsolved, refuse_unsuitable, residual_form
+from vehicledyn.multibody.equations.seam import Handed, Replacement
 from vehicledyn.multibody.equations.singular_mass import Resistance, refuse_idle
 from vehicledyn.multibody.loops.closure import Closure, MultiplierClosure
 from vehicledyn.multibody.loops.loop_closure import AssemblyState, Loops, close
@@ -82,7 +82,7 @@ def derive(
     NumericalError
         If its loops cannot be assembled.
     """
-    derivation = solve_motion(system, formulation, moment)
+    derivation = solve_motion(system, formulation, moment, apart=True)
     for loop in derivation.loops.rigid:
         _log.warning("%s", loop)
     return equations_of(derivation)
@@ -95,7 +95,7 @@ class Derivation:
     system: System
     tree: Tree
     symbols: Symbols
-    moved: dict[str, Motion]
+    replacement: Replacement
     loops: Loops
     roles: Roles
     solved: Solved
@@ -103,12 +103,24 @@ class Derivation:
     multipliers: Multipliers | None = None
     projection: Projection | None = None
 
+    @property
+    def moved(self) -> dict[str, Motion]:
+        """Motions of the driven coordinates by name."""
+        return self.replacement.moved
+
 
 @quick_arithmetic()
 def solve_motion(
-    system: System, formulation: Formulation = "auto", moment: AssemblyState | None = None
+    system: System,
+    formulation: Formulation = "auto",
+    moment: AssemblyState | None = None,
+    *,
+    apart: bool = False,
 ) -> Derivation:
-    """Return a checked system solved for its accelerations, see :func:`derive`."""
+    """Return a checked system solved for its accelerations, see :func:`derive`.
+
+    With ``apart`` symbols stand for what its surroundings hand over.
+    """
     system.check()
     check_bodies(system)
     tree = unfold(system.bodies)
@@ -129,14 +141,24 @@ def solve_motion(
     if moment is None and multipliers is None:
         start = np.array([loops.start[j.name] for j in symbols.joints])
         refuse_idle(system, resistance.anywhere(0.0, start))
-    motion = _motion(system, symbols, roles, loops)
+    handed = Handed()
+    motion = _motion(system, symbols, roles, loops, handed if apart else None)
     if multipliers is None:
         solved = _dynamics(system, symbols, roles, loops.closure, motion, formulation=formulation)
     else:
         solved, found = _by_multipliers(system, symbols, roles, multipliers, motion)
         loops = multipliers.closed(found)
     return Derivation(
-        system, tree, symbols, moved, loops, roles, solved, resistance, multipliers, projection
+        system,
+        tree,
+        symbols,
+        Replacement(symbols, moved, handed),
+        loops,
+        roles,
+        solved,
+        resistance,
+        multipliers,
+        projection,
     )
 
 
@@ -150,7 +172,7 @@ def equations_of(derivation: Derivation) -> Equations:
         loops=d.loops,
         roles=d.roles,
         solved=d.solved,
-        moved=d.moved,
+        replacement=d.replacement,
         multipliers=d.multipliers,
         projection=d.projection,
     )
@@ -182,7 +204,7 @@ def _constrained(derivation: Derivation, equations: Equations) -> ConstrainedEqu
         accelerations=free,
         given=given,
         loads=motion.loads,
-        finished=partial(driven_motions, d.symbols, d.moved),
+        finished=Replacement(d.symbols, d.moved),
     )
     return residual_form(unsolved, equations)
 
@@ -201,15 +223,15 @@ def _motion_residuals(derivation: Derivation, equations: Equations) -> MotionRes
     problem = _problem(d.system, d.symbols, d.roles, motion, accelerations)
     missing, mass = missing_forces(problem, names, _influence(closure, d.symbols, d.roles))
     place = {state.name: k for k, state in enumerate(equations.states)}
-    e = equations
+    e, finished = equations, Replacement(d.symbols, d.moved)
     return MotionResiduals(
         time=e.time,
         state=e.state,
         algebraic=e.algebraic,
         parameter=e.parameter,
         acceleration=ops.column([free[name] for name in names]),
-        residual=driven_motions(d.symbols, d.moved, ops.column(missing)),
-        mass=driven_motions(d.symbols, d.moved, matrix_of(mass, len(names))),
+        residual=finished(ops.column(missing)),
+        mass=finished(matrix_of(mass, len(names))),
         rows=tuple(place[joint.rate_name] for joint in joints),
     )
 
@@ -228,15 +250,22 @@ def _motion(
     symbols: Symbols,
     roles: Roles,
     loops: Loops,
+    handed: Handed | None = None,
 ) -> _MotionState:
-    """Close the velocities and ask the parts for their loads."""
+    """Close the velocities and ask the parts for their loads; ``handed`` are those of others."""
     joints = symbols.joints
     rates = dict(symbols.rates)
     known = {k: rates[joints[k].name] for k in (*roles.independent, *roles.driven)}
     for k, rate in loops.closure.dependent_rates(known).items():
         rates[joints[k].name] = rate
     kinematics = loops.kinematics.with_rates(rates)
-    loads = {p.name: loads_of(p, symbols.situation(p, kinematics)) for p in system.parts}
+    outside = system.surroundings if handed is not None else ()
+    loads = {
+        p.name: (handed.loads if handed is not None and p.name in outside else loads_of)(
+            p, symbols.situation(p, kinematics)
+        )
+        for p in system.parts
+    }
     return _MotionState(kinematics, rates, loads)
 
 

@@ -235,10 +235,7 @@ class _InStates:
 
 def _with_motions(d: Derivation, items: list[Scalar]) -> list[Scalar]:
     """Return expressions with driven coordinates and rates replaced by their motions."""
-    symbols, moved = d.symbols, d.moved
-    old = [symbols.coordinates[n] for n in moved] + [symbols.rates[n] for n in moved]
-    new = [m.position for m in moved.values()] + [m.velocity for m in moved.values()]
-    column = ops.substitute(ops.column(items), ops.column(old), ops.column(new))
+    column = d.replacement(ops.column(items))
     return [column[k] for k in range(len(items))]
 
 

@@ -7,6 +7,7 @@ equations. Nothing configures a part from outside.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
@@ -98,7 +99,8 @@ class Situation:
 
     ``all_states`` are those of all parts, by the part's name and short name. ``forces`` of joints
     and constraints are known to outputs only; ``reactions`` are those that the part asked for,
-    by short name [N].
+    by short name [N]. ``handing`` notes what surroundings hand to the system, if they are to be
+    compiled apart from it.
     """
 
     time: Scalar
@@ -108,6 +110,20 @@ class Situation:
     all_states: dict[str, dict[str, Scalar]] = field(default_factory=dict)
     forces: TransmittedForces | None = None
     reactions: dict[str, Scalar] = field(default_factory=dict)
+    handing: Callable[[str, Scalar], Scalar] | None = None
+
+    def hand(self, name: str, value: Scalar) -> Scalar:
+        """Return what stands for a number that wrenches are to be made from.
+
+        Parameters
+        ----------
+        name
+            What it is, unique within the part.
+        value
+            Its value; where it stands for all that a driver or a manoeuvre makes of the motion,
+            the system is compiled apart from it.
+        """
+        return value if self.handing is None else self.handing(name, value)
 
 
 @dataclass(frozen=True)
@@ -117,9 +133,7 @@ class Loads:
     ``wrenches`` act on bodies, ``joint_forces`` on coordinates by name [N or N m],
     ``rates`` are the derivatives of the part's states by short name, ``residuals`` the
     equations of its algebraic unknowns (functions of positions and time only, in the order
-    of the unknowns), ``accelerations`` those of the coordinates it drives. ``handed`` are
-    numbers that wrenches are made from, by name: where they stand for all that a driver or a
-    manoeuvre makes of the motion, the system is compiled apart from it.
+    of the unknowns), ``accelerations`` those of the coordinates it drives.
     """
 
     wrenches: tuple[Wrench, ...] = ()
@@ -127,7 +141,6 @@ class Loads:
     rates: dict[str, Scalar] = field(default_factory=dict)
     residuals: tuple[Scalar, ...] = ()
     accelerations: dict[str, Scalar] = field(default_factory=dict)
-    handed: dict[str, Scalar] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -63,9 +63,9 @@ class Pedals(BasePart):
         if self.shaft:
             forces[self.shaft] = self._drive(situation)
             return Loads(joint_forces=forces, rates=rates)
-        torque = self._drive(situation)
+        torque = situation.hand("torque", self._drive(situation))
         wrenches = tuple(w for c in self.corners for w in self._shafts(situation, c, torque))
-        return Loads(wrenches=wrenches, joint_forces=forces, rates=rates, handed={"torque": torque})
+        return Loads(wrenches=wrenches, joint_forces=forces, rates=rates)
 
     def outputs(self, situation: Situation) -> tuple[Output, ...]:
         """Return drive and brake torque."""

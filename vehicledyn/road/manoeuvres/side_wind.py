@@ -21,11 +21,10 @@ class SideWind(BasePart):
 
     def loads(self, situation: Situation) -> Loads:
         """Return the force."""
-        force = ops.scalar(self.force(situation.time))
+        force = situation.hand("force", ops.scalar(self.force(situation.time)))
         pushed = ops.vector(0.0, force, 0.0)
         return Loads(
-            wrenches=(Wrench(self.chassis, pushed, ops.vector(0.0, 0.0, self.ahead * force)),),
-            handed={"force": force},
+            wrenches=(Wrench(self.chassis, pushed, ops.vector(0.0, 0.0, self.ahead * force)),)
         )
 
     def outputs(self, situation: Situation) -> tuple[Output, ...]:

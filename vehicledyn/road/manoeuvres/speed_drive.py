@@ -33,7 +33,7 @@ class SpeedDrive(BasePart):
         rates = {"speed_error_integral": self._error(situation)}
         if self.shaft:
             return Loads(joint_forces={self.shaft: self._torque(situation)}, rates=rates)
-        torque = self._torque(situation)
+        torque = situation.hand("torque", self._torque(situation))
         share = torque / len(self.wheels)
         kinematics = situation.kinematics
         nothing = ops.vector(0.0, 0.0, 0.0)
@@ -44,7 +44,7 @@ class SpeedDrive(BasePart):
             reaction = -share * (to_chassis @ (kinematics.rotation(wheel) @ axis))
             wrenches.append(Wrench(wheel, nothing, share * axis))
             wrenches.append(Wrench(self.chassis, nothing, reaction))
-        return Loads(wrenches=tuple(wrenches), rates=rates, handed={"torque": torque})
+        return Loads(wrenches=tuple(wrenches), rates=rates)
 
     def outputs(self, situation: Situation) -> tuple[Output, ...]:
         """Return the total torque."""
