@@ -26,6 +26,7 @@ from vehicledyn.analyses.simulation.animation_recorder import Recorder, surround
 from vehicledyn.analyses.simulation.chosen_step import leaves_step, with_step
 from vehicledyn.analyses.simulation.judgement import judged_by
 from vehicledyn.analyses.simulation.kinked_drives import kinked_drives
+from vehicledyn.analyses.simulation.lost_driver import STATUS, lost_driver
 from vehicledyn.analyses.simulation.mended_profiles import mended_profiles
 from vehicledyn.analyses.simulation.moved_starts import moved_starts
 from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_watched
@@ -220,6 +221,8 @@ class _Run:
                 self.status, message, unwritten = "failed", str(error), error
             ending = self._ending(statistics)
             self._summarise(writer)
+            if self.status == "ok" and (lost := lost_driver(self.summary)):
+                self.status, ending = STATUS, lost
             self._leave(statistics)
             self._tell_of_turns()
             writer.close(

@@ -33,7 +33,7 @@ from vehicledyn.base.errors import InputError
 
 FORMAT = "vehicledyn-result"
 FORMAT_VERSION = 1
-ENDED = ("ok", "derailed", "lifted", "overturned", "sunk")
+ENDED = ("ok", "derailed", "lifted", "overturned", "sunk", "driver_lost")
 """Statuses of runs that ended by themselves: as planned, or where their model no longer holds."""
 
 STATUSES = ("running", *ENDED, "failed", "interrupted")

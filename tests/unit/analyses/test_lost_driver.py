@@ -1,0 +1,46 @@
+"""A run whose driver loses the car: whole result, time and place, exit code 1."""
+
+import numpy as np
+import pytest
+
+import vehicledyn
+from vehicledyn.cli import main
+
+TOO_FAST = """
+title: The small car is too fast for a bend
+model: small_car
+speed: 30 m/s
+manoeuvre:
+  kind: path
+  xs: [0 m, 40 m, 80 m, 110 m, 120 m]
+  ys: [0 m, 0 m, 10 m, 40 m, 80 m]
+  distances: [0 m, 80 m]
+  speeds: [30 m/s, 30 m/s]
+  driver: {kind: preview, preview_time: 0.5 s, lag_frequency: 20 rad/s, lag_damping: 0.8,
+    rack_stop: 50 mm}
+  speed_control: {proportional_gain: 1000 N*s, integral_gain: 300 N}
+duration: 4 s
+solver: {kind: rk4, step: 1 ms}
+output: {interval: 10 ms}
+"""
+
+
+def test_a_run_whose_driver_lost_the_car_is_whole_and_no_success(tmp_path, capsys, monkeypatch):
+    (tmp_path / "fast.yaml").write_text(TOO_FAST)
+    result = tmp_path / "fast.h5"
+    words = ["vehicledyn", "run", str(tmp_path / "fast.yaml"), "--no-plots", "-o", str(result)]
+    monkeypatch.setattr("sys.argv", words)
+    with pytest.raises(SystemExit) as ended:
+        main()
+    assert ended.value.code == 1
+    data = vehicledyn.open_result(result)
+    assert data.status == "driver_lost"
+    assert data.time[-1] == pytest.approx(4.0)
+    summary = data.summary
+    time, way = summary["lost_at_time"].value, summary["lost_at_distance"].value
+    error = np.abs(data["driver.path_error"].values)
+    assert np.interp(time, data.time, error) >= 5.0 > np.interp(time - 0.01, data.time, error)
+    said = capsys.readouterr().err
+    for words in (f"from its path: {time:.4g} s", f"he lost it: {way:.4g} m"):
+        assert words in said
+        assert words in data.status_message
