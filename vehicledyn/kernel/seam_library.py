@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from vehicledyn.codegen.passes.seam_cut import SeamCut
 from vehicledyn.codegen.printers.seam_source import (
     ModelFacts,
     facts_of_model,
+    loop_unit,
     model_units,
     surroundings_source,
 )
@@ -19,13 +21,15 @@ from vehicledyn.codegen.toolchain.compiler import (
     Compiler,
     build_library,
     build_object,
-    compiled_meanwhile,
+    compile_unit,
 )
 from vehicledyn.codegen.toolchain.fingerprint import generator_fingerprint
 
 
 def seam_library(cut: SeamCut, compiler: Compiler, folder: Path, lanes: int | None = None) -> Path:
     """Return the library of a kernel, built in a folder; its model is kept for other surroundings.
+
+    The loop is kept for all kernels of the same sizes.
 
     With ``lanes`` it carries so many cases side by side, without it is that of one case.
 
@@ -46,13 +50,30 @@ def seam_library(cut: SeamCut, compiler: Compiler, folder: Path, lanes: int | No
         file.write_text(json.dumps(asdict(facts_of_model(cut))), encoding="utf-8")
         return file
 
-    def taken(path: Path) -> Path:
-        return Path(shutil.copy(path, folder / "model.o"))
-
     facts, _ = cache.load(cache.key_of(of_model, "facts"), told, _facts)
-    with compiled_meanwhile(compiler, surroundings_source(cut, facts, lanes), folder) as own:
-        model, _ = cache.load(cache.key_of(of_model, f"{lanes} lanes"), compiled, taken)
-    return build_library(compiler, [], folder, [own.result(), model])
+    own, loop = surroundings_source(cut, facts, lanes), loop_unit(cut, lanes)
+
+    def beside() -> list[Path]:
+        """Compile the surroundings, and the loop where it is not known."""
+        kept, _ = cache.load(
+            cache.key_of("loop", loop, compiler.identity),
+            lambda place: compile_unit(compiler, loop, place / "loop.c"),
+            lambda path: _copied(path, folder / "loop.o"),
+        )
+        return [compile_unit(compiler, own, folder / "own.c"), kept]
+
+    with ThreadPoolExecutor(1) as pool:
+        others = pool.submit(beside)
+        model, _ = cache.load(
+            cache.key_of(of_model, f"{lanes} lanes"),
+            compiled,
+            lambda path: _copied(path, folder / "model.o"),
+        )
+    return build_library(compiler, [], folder, [*others.result(), model])
+
+
+def _copied(path: Path, place: Path) -> Path:
+    return Path(shutil.copy(path, place))
 
 
 def _facts(path: Path) -> ModelFacts:

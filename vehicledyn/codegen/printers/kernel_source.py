@@ -178,6 +178,7 @@ def _model_texts(
     return [
         *[print_one(wave, f"wave_{k}") for k, wave in enumerate(functions.waves)],
         kernel_tables(equations, KernelSizes.of(functions)),
+        kernel_counts(KernelSizes.of(functions)),
         shared_source("steps.c"),
     ]
 
@@ -248,6 +249,14 @@ def kernel_tables(equations: Equations, of: KernelSizes) -> str:
             listed("static const int", "wave_start", [*of.wave_starts, len(blocks)]),
             listed("static const int", "wave_of", _waves_of(of.wave_starts, len(blocks))),
             listed("static const int", "value_start", _value_starts(equations, of.wave_starts)),
+        ]
+    )
+
+
+def kernel_counts(of: KernelSizes) -> str:
+    """Return what a library tells of its model: numbers of constants, new values, operations."""
+    return "\n".join(
+        [
             f"VD_EXPORT const int vd_constants = {of.constants};",
             f"VD_EXPORT const int vd_new_values = {of.new_values};",
             listed("VD_EXPORT const int", "vd_operations", [of.operations[k] for k in COUNTED]),

@@ -1,14 +1,15 @@
 """Print a kernel that is cut at its seam: the model by itself, and what surrounds it.
 
-The model's units are compiled once for all surroundings; those of the surroundings hold the loop
-and call the model by the names below. In c the constants of the surroundings come first, so that
-the model finds its own with the rows of tables and the copies behind them at the pointer it gets.
+The model's units are compiled once for all surroundings, the loop once for all kernels of the same
+sizes; the unit of the surroundings calls the model by the names below, and the loop calls that
+unit. In c the constants of the surroundings come first, so that the model finds its own with the
+rows of tables and the copies behind them at the pointer it gets.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from vehicledyn.codegen.ir.instructions import read_function
 from vehicledyn.codegen.ir.table_rows import ROW
@@ -18,6 +19,7 @@ from vehicledyn.codegen.passes.slp_rows import PLACES
 from vehicledyn.codegen.printers.c_printer import print_function
 from vehicledyn.codegen.printers.kernel_source import (
     KernelSizes,
+    kernel_counts,
     kernel_tables,
     lane_head,
     listed,
@@ -102,33 +104,66 @@ def _entry(name: str, chosen: bool) -> str:
 
 
 def surroundings_source(cut: SeamCut, facts: ModelFacts, lanes: int | None) -> str:
-    """Return the source of the surroundings with the loop, see :func:`model_units`."""
+    """Return the source of the surroundings, joined with the model, see :func:`model_units`."""
     half, tables = cut.surroundings(facts.constants), cut.equations.tables
     first = half.prepare.numel_out(0)
     texts = [
         print_function(half.prepare, "prepare_own", ["p"], tables=tables),
         "void vd_model_prepare(const real *p, real *c);\n"
-        "static void prepare(const real *p, real *c) {\n"
+        "void vd_kernel_prepare(const real *p, real *c) {\n"
         f"  prepare_own(p, c);\n  vd_model_prepare(p, c + {first});\n}}\n",
     ]
     for name, function in half.functions.items():
         texts.append(print_function(function, f"{name}_own", _OWN, tables=tables))
         texts.append(_joined(cut, name, first, chosen=name == "outputs" and lanes is not None))
-    sizes = KernelSizes(
-        cut.wave_starts,
-        tuple(_size(cut, f"wave_{k}") for k in range(len(cut.wave_starts))),
-        first + facts.constants,
-        _size(cut, "resets"),
-        {key: count + half.operations[key] for key, count in facts.operations.items()},
+    counts = {key: count + half.operations[key] for key, count in facts.operations.items()}
+    texts.append(
+        kernel_counts(replace(_sizes(cut), constants=first + facts.constants, operations=counts))
     )
-    texts += [kernel_tables(cut.equations, sizes), shared_source("steps.c")]
     if lanes is None:
         texts.append(
             "void vd_model_lay_out(real *c);\n"
-            f"static void lay_out(real *c) {{\n  vd_model_lay_out(c + {first});\n}}\n"
+            f"void vd_kernel_lay_out(real *c) {{\n  vd_model_lay_out(c + {first});\n}}\n"
         )
-    loop = loop_source() if lanes is None else shared_source("batch.c")
-    return "\n".join([*lane_head(lanes or 1), *texts, loop])
+    return "\n".join([*lane_head(lanes or 1), *texts])
+
+
+def loop_unit(cut: SeamCut, lanes: int | None) -> str:
+    """Return the source of the loop, equal for all kernels of the same sizes, see `model_units`."""
+    chosen = lanes is not None
+    texts = [
+        "void vd_kernel_prepare(const real *p, real *c);\n#define prepare vd_kernel_prepare\n",
+        *(_called(name, chosen=chosen and name == "outputs") for name in cut.model_places),
+    ]
+    if not chosen:
+        texts.append("void vd_kernel_lay_out(real *c);\n#define lay_out vd_kernel_lay_out\n")
+    texts += [kernel_tables(cut.equations, _sizes(cut)), shared_source("steps.c")]
+    return "\n".join(
+        [*lane_head(lanes or 1), *texts, shared_source("batch.c") if chosen else loop_source()]
+    )
+
+
+def _sizes(cut: SeamCut) -> KernelSizes:
+    """Return the sizes of a kernel but those that are known when all of it is printed."""
+    waves = [f"wave_{k}" for k in range(len(cut.wave_starts))]
+    sizes = tuple(_size(cut, name) for name in waves)
+    return KernelSizes(cut.wave_starts, sizes, 0, _size(cut, "resets"), {})
+
+
+def _called(name: str, *, chosen: bool) -> str:
+    """Return how the loop calls a function of the kernel."""
+    arrays = ", ".join(f"const real *{item}" for item in _OWN)
+    function = f"{name}_selected" if chosen else name
+    lines = [
+        f"void vd_kernel_{name}({_BITS if chosen else ''}{arrays}, real *r);",
+        f"#define {function} vd_kernel_{name}",
+    ]
+    if chosen:
+        lines += [
+            f"unsigned long long vd_kernel_{name}_need(int place);",
+            f"#define {name}_need vd_kernel_{name}_need",
+        ]
+    return "\n".join([*lines, ""])
 
 
 def _size(cut: SeamCut, name: str) -> int:
@@ -140,12 +175,12 @@ def _joined(cut: SeamCut, name: str, first: int, *, chosen: bool) -> str:
     """Return a function of the kernel: what its two sides find, each in its places."""
     model, own = cut.model_places[name], cut.own_places[name]
     there = model == list(range(len(model)))
-    bits, function = ("pieces, ", f"{name}_selected") if chosen else ("", name)
+    bits = "pieces, " if chosen else ""
     room = {"u": len(cut.handed), "own": len(own)} | ({} if there else {"found": len(model)})
     lines = [
         f"void vd_model_{name}({_given(chosen)});",
         listed("static const int", f"{name}_model_places", model),
-        f"static void {function}({_BITS if chosen else ''}const real *t, const real *x, "
+        f"void vd_kernel_{name}({_BITS if chosen else ''}const real *t, const real *x, "
         "const real *z, const real *c, real *r) {",
         *(f"  real {array}[{max(1, size)}];" for array, size in room.items()),
         f"  {name}_own(t, x, z, c, u, own);",
@@ -159,7 +194,7 @@ def _joined(cut: SeamCut, name: str, first: int, *, chosen: bool) -> str:
     if chosen:
         lines += [
             f"unsigned long long vd_model_{name}_need(int k);",
-            f"static unsigned long long {name}_need(int place) {{",
+            f"unsigned long long vd_kernel_{name}_need(int place) {{",
             f"  for (int k = 0; k < {len(model)}; k++)",
             f"    if ({name}_model_places[k] == place) return vd_model_{name}_need(k);",
             "  return 0;",

@@ -9,9 +9,8 @@ import shlex
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterable, Iterator
-from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import contextmanager
+from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -176,13 +175,6 @@ def build_object(compiler: Compiler, units: Iterable[str], folder: Path) -> Path
     return made
 
 
-@contextmanager
-def compiled_meanwhile(compiler: Compiler, unit: str, folder: Path) -> Iterator[Future[Path]]:
-    """Compile a unit in a folder during the block; its object file is there at the end of it."""
-    with ThreadPoolExecutor(1) as beside:
-        yield beside.submit(_compile_unit, compiler, unit, folder / "meanwhile.c")
-
-
 def _compiled_units(compiler: Compiler, units: Iterable[str], folder: Path) -> list[Path]:
     """Return the object files of units, or the file of a single one, which needs none."""
     if isinstance(units, list) and len(units) == 1:
@@ -191,14 +183,22 @@ def _compiled_units(compiler: Compiler, units: Iterable[str], folder: Path) -> l
         return [path]
     with ThreadPoolExecutor(cores()) as at_once:
         objects = [
-            at_once.submit(_compile_unit, compiler, unit, folder / f"kernel_{k}.c")
+            at_once.submit(compile_unit, compiler, unit, folder / f"kernel_{k}.c")
             for k, unit in enumerate(units)
         ]
         return [item.result() for item in objects]
 
 
-def _compile_unit(compiler: Compiler, unit: str, path: Path) -> Path:
-    """Return the object file of a unit."""
+def compile_unit(compiler: Compiler, unit: str, path: Path) -> Path:
+    """Write a unit to a path, compile it and return the path of its object file.
+
+    Raises
+    ------
+    CompilationError
+        If the compiler fails.
+    OSError
+        If the source cannot be written.
+    """
     path.write_text(unit, encoding="utf-8")
     made = path.with_suffix(".o")
     limit = _LEAST_LIMIT + _LIMIT_OF_LETTER * len(unit)
