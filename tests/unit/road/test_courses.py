@@ -1,5 +1,7 @@
 """Courses against closed forms, and cars that drive them."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from crg_files import crg
@@ -11,6 +13,7 @@ from vehicledyn.analyses.handling.tested_car import CONTROL, TestedCar
 from vehicledyn.base.errors import InputError
 from vehicledyn.interface.targets import read_target
 from vehicledyn.road.courses.course import CircleCourse, course_through
+from vehicledyn.road.manoeuvres.kinds.path import Path
 from vehicledyn.road.manoeuvres.driving_test import DrivingTest
 
 RADIUS = 60.0
@@ -100,6 +103,16 @@ def test_courses_that_cannot_be_driven_are_refused_by_name(tmp_path):
     refused(tmp_path, "distances: must grow", KIND=falling)
 
 
+@pytest.mark.parametrize("ys", [(0.0, 0.0, 3.5, 3.5), (0.0, 0.0, 0.0, 10.0), (0.0, 5.0, 3.5, 0.0)])
+def test_a_path_through_points_begins_where_the_car_stands(ys):
+    """Along x at the origin, so that nobody steers before the first point asks for it."""
+    path = Path.model_construct(xs=(0.0, 30.0, 60.0, 100.0), ys=ys, closed=False)
+    course = path.course(SimpleNamespace())
+    assert float(course.heading(0.0)) == pytest.approx(0.0, abs=1e-6)
+    x, y = course.place(0.01)
+    assert (float(x), float(y)) == pytest.approx((0.01, 0.0), abs=1e-5)
+
+
 @pytest.mark.long
 def test_a_car_keeps_a_path_and_its_speed_profile(tmp_path):
     profile = "\n  distances: [0 m, 20 m, 60 m]\n  speeds: [15 m/s, 15 m/s, 10 m/s]"
@@ -109,7 +122,8 @@ def test_a_car_keeps_a_path_and_its_speed_profile(tmp_path):
     assert found["largest_speed_error"] < 0.8
     assert data["body.forward_speed"].values[-1] == pytest.approx(10.0, abs=0.3)
     place = np.array([data["chassis.x"].values, data["chassis.y"].values])
-    curve = course_through(np.array([0.0, 40.0, 80.0, 110.0]), np.array([0.0, 0.0, 10.0, 40.0]))
+    points = np.array([0.0, 40.0, 80.0, 110.0]), np.array([0.0, 0.0, 10.0, 40.0])
+    curve = course_through(*points, along_x=True)
     at = np.array(curve.place(data["driver.station"].values))
     error = np.hypot(*(place - at))
     assert error == pytest.approx(np.abs(data["driver.path_error"].values), abs=2e-3)

@@ -16,7 +16,8 @@ from vehicledyn.files.expressions.dimensions import MEASURES, Measure, misfit
 from vehicledyn.files.expressions.expressions import Expression, read_expression
 
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
-_LONG = {"value", "description"}
+_BOUNDS = ("above", "least")
+_LONG = {"value", "description", *_BOUNDS}
 RESERVED = {*FUNCTIONS, "pi", "time"}
 
 
@@ -77,6 +78,7 @@ class _Declared:
     expression: Expression
     description: str
     place: Place
+    bounds: tuple[tuple[str, Expression], ...] = ()
 
 
 def read_parameters(data: Any, before: Parameters | None = None) -> Parameters:
@@ -85,8 +87,8 @@ def read_parameters(data: Any, before: Parameters | None = None) -> Parameters:
     Parameters
     ----------
     data
-        Nested mapping of names to values, expressions, lists of three, mappings with ``value``
-        and ``description``, or groups of these.
+        Nested mapping of names to values, expressions, lists of three, mappings with ``value``,
+        ``description`` and bounds (``above``, ``least``), or groups of these.
     before
         The same parameters with other values, whose units are kept where they fit: a change to
         N m s leaves a damping in N m s/rad.
@@ -129,11 +131,12 @@ def _declared(
                 problems.append(((*here, key), words))
             try:
                 expression = read_expression(long["value"])
+                bounds = tuple((k, read_expression(long[k])) for k in _BOUNDS if k in long)
             except ExpressionError as error:
                 problems.append((here, str(error)))
             else:
                 words = str(long.get("description") or name.replace("_", " ").capitalize())
-                yield dotted(here[1:]), _Declared(expression, words, here)
+                yield dotted(here[1:]), _Declared(expression, words, here, bounds)
 
 
 def is_name(name: str) -> bool:
@@ -172,6 +175,7 @@ def _resolve(declared: dict[str, _Declared], found: Parameters, before: Mapping[
             measure = _kept(measure, before.get(name))
             _check_unit(measure)
             value = item.expression.value(values, NUMBERS)
+            _check_bounds(item, value, measure)
         except ExpressionError as error:
             found.problems.append((item.place, str(error)))
             failed.add(name)
@@ -209,6 +213,20 @@ def _check_unit(measure: Any) -> None:
             raise ExpressionError(
                 f"a parameter needs a unit that can be written: {error}"
             ) from None
+
+
+def _check_bounds(item: _Declared, value: Any, measure: Any) -> None:
+    """Refuse a number outside of the bounds that its declaration gives."""
+    for word, expression in item.bounds:
+        bound, of = expression.value({}, NUMBERS), _settled(expression.value({}, MEASURES))
+        if isinstance(value, tuple) or isinstance(bound, tuple):
+            raise ExpressionError(f"{word}: only one number has a bound")
+        if bound != 0.0 and not of.fits(measure.unit):
+            raise ExpressionError(f"{word}: {misfit(of, measure.unit)}")
+        if not (value > bound if word == "above" else value >= bound):
+            limit = "greater than" if word == "above" else "at least"
+            unit = "" if measure.unit == "1" else f" {measure.unit}"
+            raise ExpressionError(f"must be {limit} {bound:g}{unit}, is {value:g}")
 
 
 def _settled(measure: Any) -> Any:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar
@@ -125,7 +125,9 @@ class TableCourse:
         return ops.minimum(ops.maximum(station, 0.0), self.length)
 
 
-def course_through(x: Floats, y: Floats, *, is_closed: bool = False) -> TableCourse:
+def course_through(
+    x: Floats, y: Floats, *, is_closed: bool = False, along_x: bool = False
+) -> TableCourse:
     """Return the cubic spline through points over its own length.
 
     Parameters
@@ -134,6 +136,8 @@ def course_through(x: Floats, y: Floats, *, is_closed: bool = False) -> TableCou
         Points in order, no two neighbours at one place, shape (n,), n at least 2 [m].
     is_closed
         Whether the last point is followed by the first.
+    along_x
+        Whether an open course starts along x.
     """
     import numpy as np
     from scipy.interpolate import CubicSpline
@@ -145,7 +149,9 @@ def course_through(x: Floats, y: Floats, *, is_closed: bool = False) -> TableCou
         x[-1], y[-1] = x[0], y[0]
     chords = np.hypot(np.diff(x), np.diff(y))
     knots = np.concatenate([[0.0], np.cumsum(chords)])
-    order = "periodic" if is_closed else "not-a-knot"
+    order: Any = "periodic" if is_closed else "not-a-knot"
+    if along_x and not is_closed:
+        order = ((1, np.array([1.0, 0.0])), (2, np.zeros(2)))
     curve = CubicSpline(knots, np.stack([x, y], axis=1), bc_type=order)
     step = min(LONGEST_STEP, 0.25 * float(chords.min()))
     fine = np.linspace(0.0, knots[-1], min(max(int(4 * knots[-1] / step), 100), 4 * MOST_KNOTS))

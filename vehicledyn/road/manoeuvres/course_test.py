@@ -31,7 +31,7 @@ PATH_ERROR, STATION = "driver.path_error", "driver.station"
 LOST = 5.0
 """Distance from the path at which a driver has lost the car [m]."""
 
-_BESIDE, _ASKEW = 3.0, math.radians(30.0)
+_BESIDE, ASKEW = 3.0, math.radians(30.0)
 """Distance [m] and angle [rad] from the car at the start beyond which a course is refused."""
 
 
@@ -103,11 +103,11 @@ class CourseTest(DrivingTest):
         course = self.course(vehicle)
         x, y = (float(v) for v in course.place(0.0))
         heading = math.remainder(float(course.heading(0.0)), math.tau)
-        if math.hypot(x, y) > _BESIDE or abs(heading) > _ASKEW:
+        if math.hypot(x, y) > _BESIDE or abs(heading) > ASKEW:
             raise InputError(
                 f"manoeuvre: the path begins at x = {x:.4g} m, y = {y:.4g} m with a heading of "
                 f"{math.degrees(heading):.3g} deg; the car starts at the origin along x: begin "
-                f"the path there, within {_BESIDE:g} m and {math.degrees(_ASKEW):g} deg"
+                f"the path there, within {_BESIDE:g} m and {math.degrees(ASKEW):g} deg"
             )
 
     def _refuse_tight_corner(self, vehicle: RoadVehicle) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from itertools import pairwise
 from typing import TYPE_CHECKING
@@ -12,7 +13,7 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.base.parameters import quantity
 from vehicledyn.base.registry import register
 from vehicledyn.road.manoeuvres.channel_recorder import Recording
-from vehicledyn.road.manoeuvres.course_test import STATION, CourseTest
+from vehicledyn.road.manoeuvres.course_test import ASKEW, STATION, CourseTest
 from vehicledyn.road.standards.entries import entry
 
 if TYPE_CHECKING:
@@ -31,7 +32,8 @@ class Path(CourseTest):
     """Follow a path with a speed over distance.
 
     A cubic spline goes through the points ``xs``, ``ys``; without points the path is the reference
-    line of the scenario's OpenCRG road. It begins at the origin along x, where the car starts, and
+    line of the scenario's OpenCRG road. It begins at the origin along x, where the car starts (a
+    spline whose first two points lead that way within 30 degrees begins exactly along x), and
     goes straight on beyond its end, or round and round if closed. The target speed is a polygon
     over the distance along the path, without ``speeds`` that of the start. The summary has the
     distance reached, the largest distance from path and target speed, the time at the end of the
@@ -81,7 +83,9 @@ class Path(CourseTest):
         from vehicledyn.road.surfaces.opencrg import OpenCrgRoad
 
         if self.xs:
-            return course_through(np.array(self.xs), np.array(self.ys), is_closed=self.closed)
+            x, y = np.array(self.xs), np.array(self.ys)
+            ahead = abs(math.atan2(y[1] - y[0], x[1] - x[0])) < ASKEW
+            return course_through(x, y, is_closed=self.closed, along_x=ahead)
         if not isinstance(vehicle.surface, OpenCrgRoad):
             raise InputError(
                 "manoeuvre: a path needs points (xs, ys), or a road of the kind 'opencrg' whose "
