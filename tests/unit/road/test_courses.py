@@ -13,8 +13,8 @@ from vehicledyn.analyses.handling.tested_car import CONTROL, TestedCar
 from vehicledyn.base.errors import InputError
 from vehicledyn.interface.targets import read_target
 from vehicledyn.road.courses.course import CircleCourse, course_through
-from vehicledyn.road.manoeuvres.kinds.path import Path
 from vehicledyn.road.manoeuvres.driving_test import DrivingTest
+from vehicledyn.road.manoeuvres.kinds.path import Path
 
 RADIUS = 60.0
 DRIVER = (
