@@ -38,7 +38,7 @@ ANALYSES = [
       "coil_spring_axle", "air_spring_axle", "anti_roll_bar", "golden_car",
       "cam_follower"]),
 ]  # fmt: skip
-OUTPUTS = ("out.h5", "out.h5.checkpoint", "out.npz", "out.txt", "out.h", "out", "figures")
+OUTPUTS = (*yaml_cases.OUTPUTS, "out.npz", "out.txt", "out.h", "out", "figures")
 MEASURED = "load [N], slip_angle [deg], lateral_force [N]\n" + "".join(
     f"{load}, {angle}, {-load * 0.2 * angle}\n" for load in (2000, 4000) for angle in range(-4, 5)
 )

@@ -1,9 +1,10 @@
 """Runs the program on one hostile input in a forked child, and says what it must never do.
 
 The parent has everything imported, so a case costs no start. Limits of the child make sure that
-no case outlives its ten seconds of processor time, hangs or fills the memory. Campaigns run several
-cases in a child, as forking and copying pages costs as much as a small case; what goes wrong in
-company is run again alone, and that counts.
+no case outlives its ten seconds of processor time, hangs or fills the memory. A command that is
+asked for more work than that is interrupted as by Ctrl-C: it must have kept what it did until then,
+and end at once. Campaigns run several cases in a child, as forking and copying pages costs as much
+as a small case; what goes wrong in company is run again alone, and that counts.
 """
 
 import contextlib
@@ -17,6 +18,7 @@ import shutil
 import signal
 import sys
 import tempfile
+import time
 import traceback
 import warnings
 from dataclasses import dataclass, field
@@ -25,6 +27,9 @@ from pathlib import Path
 from watch import ASLEEP_SECONDS, Watch
 
 PROCESSOR_SECONDS = 10
+SECONDS_TO_END = 3
+"""Processor time in which an interrupted command ends [s]."""
+INTERRUPTED = 130
 MOST_MEMORY = 1 << 30
 MOST_TEXT = 200_000
 CODES = {0, 1, 2, 3, 4, 5}
@@ -53,6 +58,7 @@ class Outcome:
     text: str
     seconds: float
     memory: int
+    began: float = 0.0  # [s], as files count time
     left: list = field(default_factory=list)
     faults: list = field(default_factory=list)
 
@@ -113,6 +119,7 @@ class Company:
         return status
 
     def _outcome(self, case, folder, output):
+        began = time.time()
         if self._child is None:
             self._child = self._begin()
         self._cases += 1
@@ -126,7 +133,7 @@ class Company:
             status = self.end() if self._cases == _TOGETHER else None
         text = output.read_bytes()[: 4 * MOST_TEXT] if output.exists() else b""
         died = os.WTERMSIG(status) if code is None and os.WIFSIGNALED(status) else None
-        return Outcome(case, code, died, text.decode("utf-8", "replace"), seconds, memory)
+        return Outcome(case, code, died, text.decode("utf-8", "replace"), seconds, memory, began)
 
     def _begin(self):
         ours, theirs = multiprocessing.Pipe()
@@ -201,6 +208,7 @@ def _listed(folder):
 
 
 def _run_in(folder, case, limited=True):
+    began = time.time()
     sys.stdout.flush()
     sys.stderr.flush()
     with tempfile.TemporaryFile() as output:
@@ -222,6 +230,7 @@ def _run_in(folder, case, limited=True):
         text=text,
         seconds=usage.ru_utime + usage.ru_stime,
         memory=usage.ru_maxrss * 1024,
+        began=began,
     )
 
 
@@ -247,8 +256,10 @@ def _begin_child():
     os.setpgid(0, 0)
     with open(os.devnull) as nothing:  # noqa: PTH123
         os.dup2(nothing.fileno(), 0)
-    for name in ("SIGALRM", "SIGINT", "SIGXCPU"):
+    for name in ("SIGALRM", "SIGXCPU"):
         signal.signal(getattr(signal, name), signal.SIG_DFL)
+    for name in ("SIGINT", "SIGPROF"):
+        signal.signal(getattr(signal, name), signal.default_int_handler)
     os.environ["VEHICLEDYN_CC"] = "none"
     os.environ.pop("VEHICLEDYN_TRACEBACK", None)
     faulthandler.disable()  # pytest's; its stack dump goes to the runner's own stderr
@@ -268,7 +279,8 @@ def _take_streams(output):
 
 def _limit(used=0.0):
     """Limit this process, which has used so much processor time [s] before."""
-    seconds = math.ceil(used) + PROCESSOR_SECONDS
+    signal.setitimer(signal.ITIMER_PROF, PROCESSOR_SECONDS)
+    seconds = math.ceil(used + PROCESSOR_SECONDS + SECONDS_TO_END)
     resource.setrlimit(resource.RLIMIT_CPU, (seconds, resource.getrlimit(resource.RLIMIT_CPU)[1]))
     resource.setrlimit(resource.RLIMIT_AS, (_ADDRESS_SPACE, _ADDRESS_SPACE))
     resource.setrlimit(resource.RLIMIT_FSIZE, (1 << 30, 1 << 30))
@@ -302,6 +314,9 @@ def _faults(outcome, folder):
         yield f"hangs (asleep for {ASLEEP_SECONDS} s)"
     elif outcome.signal is not None:
         yield f"killed by signal {outcome.signal}"
+    elif code == INTERRUPTED and outcome.seconds > 0.9 * PROCESSOR_SECONDS:
+        if not _keeps_its_work(outcome, folder):
+            yield f"more than {PROCESSOR_SECONDS} s of processor time, and nothing kept lately"
     elif code not in CODES:
         yield f"exit code {code}: {_last_line(text)}"
     if "Traceback (most recent call last)" in text and code != _ESCAPED:
@@ -318,6 +333,16 @@ def _faults(outcome, folder):
         yield f"exit code {code} without a word"
     if outcome.signal is None:
         yield from _leftovers(outcome, folder)
+
+
+def _keeps_its_work(outcome, folder):
+    """Return whether an interrupted command wrote to its outputs in the later half of its time."""
+    half = 0.5 * (outcome.began + time.time())
+    return any(
+        (folder / name).stat().st_mtime > half
+        for name in outcome.left
+        if name in outcome.case.outputs
+    )
 
 
 def _leftovers(outcome, folder):

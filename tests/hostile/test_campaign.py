@@ -3,6 +3,7 @@
 ``python tests/hostile --number 100000 --processes 8`` does the same at length.
 """
 
+import os
 from pathlib import Path
 
 import campaign
@@ -77,6 +78,56 @@ def test_the_harness_sees_faults(monkeypatch, program, fault):
     monkeypatch.setattr(harness, "MOST_MEMORY", 300 << 20)
     outcome = harness.run_alone(harness.Case("fault", {}, []))
     assert any(fault in found for found in outcome.faults), outcome
+
+
+WORK = """
+import os, time
+for _ in range({steps}):
+    end = time.process_time() + 0.05
+    while time.process_time() < end: pass
+    {step}
+"""
+
+
+@pytest.mark.parametrize(
+    ("step", "steps", "code", "faults"),
+    [
+        ("open('out.h5', 'w').close()", 2, 0, []),
+        ("open('out.h5', 'w').close()", 99, 130, []),
+        ("pass", 99, 130, ["more than 0.5 s of processor time, and nothing kept lately"]),
+        ("os.path.exists('out.h5') or open('out.h5', 'w').close()", 99, 130,
+         ["more than 0.5 s of processor time, and nothing kept lately"]),
+    ],
+)  # fmt: skip
+def test_long_work_is_interrupted_and_must_have_kept_what_it_did(
+    monkeypatch, step, steps, code, faults
+):
+    def call(_):
+        try:
+            exec(WORK.format(step=step, steps=steps))
+        except KeyboardInterrupt:
+            os.write(1, b"stopped")
+            return 130
+        return 0
+
+    monkeypatch.setattr(harness, "call", call)
+    monkeypatch.setattr(harness, "PROCESSOR_SECONDS", 0.5)
+    case = harness.Case("work", {}, [], ("out.h5",))
+    company = harness.Company()
+    try:
+        found = company.run(case)
+    finally:
+        company.end()
+    assert (found.code, found.faults) == (code, faults)
+
+
+def test_work_that_cannot_be_interrupted_is_a_fault(monkeypatch):
+    monkeypatch.setattr(harness, "PROCESSOR_SECONDS", 0.5)
+    monkeypatch.setattr(harness, "SECONDS_TO_END", 1)
+    deaf = "import signal\nsignal.signal(signal.SIGPROF, signal.SIG_IGN)\nwhile True: pass"
+    monkeypatch.setattr(harness, "call", lambda _: exec(deaf))
+    outcome = harness.run_alone(harness.Case("deaf", {}, []))
+    assert outcome.faults == ["more than 0.5 s of processor time"]
 
 
 @pytest.mark.parametrize("wait", ["", "os.fork() and (os.wait(), os._exit(0))"])

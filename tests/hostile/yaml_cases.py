@@ -61,7 +61,7 @@ SHORT = [
     *("--set", "solver={kind: rk4, step: 1 ms}", "--backend", "interpreted", "--no-plots", "-q"),
 ]
 RUN = ["run", "{}", "-o", "out.h5", *SHORT]
-OUTPUTS = ("out.h5",)
+OUTPUTS = ("out.h5", "out.h5.checkpoint")
 _ILTIS = re.compile(rb'(model"?: "?)iltis\b')
 
 
