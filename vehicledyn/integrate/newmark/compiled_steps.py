@@ -179,6 +179,7 @@ class CompiledLoop(ABC, Generic[P]):
         record.matrix[0].is_stale, record.matrix[0].has_jacobian = 1, NO_JACOBIAN
         record.alpha_m, record.alpha_f, record.beta = w.alpha_m, w.alpha_f, w.beta
         record.second_order_gamma, record.first_order_gamma = w.gamma, w.first_order_gamma
+        record.share = w.share
         record.start, record.interval = task.start, task.interval
         record.least, record.most = np.inf, 0.0
         return record

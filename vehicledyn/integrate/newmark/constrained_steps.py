@@ -38,9 +38,9 @@ from vehicledyn.kernel.engine import Count, Vector
 from vehicledyn.kernel.kernel import Kernel
 
 _MOST_ITERATIONS = 12
-_CLOSE, _COARSEST, _SHARE = 1e-14, 1e-6, 1e-2
+_CLOSE, _COARSEST = 1e-14, 1e-6
 """Error of Newton's iteration allowed in each state, for one plus its size; without multipliers
-this part of the local error of positions, within bounds."""
+a part of the local error of positions, within these bounds."""
 _CLOSE_FORCES = 1e-9
 """Error of Newton's iteration allowed in the multipliers, as a part of the largest."""
 _LEVER = 1e-2
@@ -203,7 +203,7 @@ class ConstrainedSteps:
         """Return the error that may be left where no multipliers need their digits."""
         missed = self._weights.error_of_positions(known.size, a - known.old[0])
         largest = np.abs(missed / (1.0 + np.abs(at.position))).max(initial=0.0)
-        return float(min(max(_SHARE * largest, _CLOSE), _COARSEST))
+        return float(min(max(self._weights.share * largest, _CLOSE), _COARSEST))
 
     def _accepted(
         self, known: _Known, found: Unknowns, place: ConstrainedPlace

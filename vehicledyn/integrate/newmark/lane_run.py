@@ -109,6 +109,7 @@ class NewmarkLaneRun(LaneRun):
         record.n_channels, record.weak = len(self.channels), self.weak
         record.alpha_m, record.alpha_f, record.beta = w.alpha_m, w.alpha_f, w.beta
         record.second_order_gamma, record.first_order_gamma = w.gamma, w.first_order_gamma
+        record.share = w.share
         record.start, record.interval = self.start, self.interval
         record.per_interval, record.step = self.per_interval, self.step
         record.shortest = SHORTEST

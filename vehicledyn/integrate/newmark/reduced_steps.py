@@ -26,9 +26,8 @@ from vehicledyn.kernel.engine import Ledger, Vector
 from vehicledyn.kernel.kernel import Kernel
 
 _MOST_ITERATIONS = 20
-_CLOSE, _COARSEST, _SHARE = 1e-12, 1e-6, 1e-2
-"""Error of Newton's iteration allowed in each state, for one plus its size: this part of the local
-error of the step, within bounds."""
+_CLOSE, _COARSEST = 1e-12, 1e-6
+"""Bounds of the error of Newton's iteration allowed in each state, for one plus its size."""
 _SLOW = 0.3
 """Contraction above which the Jacobian is found anew at the next step."""
 _ROUNDING = 1e-10
@@ -185,7 +184,7 @@ class ReducedSteps:
             contraction = size / before if iteration else 0.0
             self._is_stale = self._is_stale or (contraction > _SLOW and size > _ROUNDING)
             reached = self._reached(Point(end, x + moved, z), new, known, old, place)
-            allowed = min(max(_SHARE * self.error(place, reached), _CLOSE), _COARSEST)
+            allowed = min(max(w.share * self.error(place, reached), _CLOSE), _COARSEST)
             if size * contraction / max(1.0 - contraction, 1e-3) < allowed and iteration:
                 return reached
             if size == 0.0 or (contraction > 0.5 and size < _ROUNDING):

@@ -21,12 +21,16 @@ Constraints: TypeAlias = Literal["reduced", "index3", "stabilised_index2"]
 SHORTEST = 1e-4
 """Part of a step below which halving gives up where Newton's method asks for it."""
 
+_SHARE = 1e-2
+
 
 @dataclass(frozen=True)
 class Weights:
     """Weights of a step: of accelerations and rates at its start, and of Newmark's formulas.
 
     ``first_order_mass`` is the weight of the auxiliary rate of first-order states at the end.
+    ``share`` is the part of a step's local error that Newton's iteration may leave, within bounds;
+    none where a step damps nothing, as what is left adds up in the energy there.
     """
 
     alpha_m: float
@@ -34,6 +38,7 @@ class Weights:
     beta: float
     gamma: float
     first_order_mass: float
+    share: float = _SHARE
 
     @property
     def first_order_gamma(self) -> float:
@@ -69,13 +74,14 @@ class Weights:
     @staticmethod
     def newmark(beta: float, gamma: float) -> Weights:
         """Return the weights of Newmark's method."""
-        return Weights(0.0, 0.0, beta, gamma, 1.0)
+        return Weights(0.0, 0.0, beta, gamma, 1.0, _SHARE if gamma > 0.5 else 0.0)
 
     @staticmethod
     def hht(spectral_radius: float) -> Weights:
         """Return those of Hilber, Hughes and Taylor; the radius lies between 1/2 and 1."""
         alpha_f = (1.0 - spectral_radius) / (1.0 + spectral_radius)
-        return Weights(0.0, alpha_f, 0.25 * (1.0 + alpha_f) ** 2, 0.5 + alpha_f, 1.0)
+        beta, gamma = 0.25 * (1.0 + alpha_f) ** 2, 0.5 + alpha_f
+        return Weights(0.0, alpha_f, beta, gamma, 1.0, _SHARE if spectral_radius < 1.0 else 0.0)
 
     @staticmethod
     def generalised_alpha(spectral_radius: float) -> Weights:
@@ -84,7 +90,8 @@ class Weights:
         alpha_m, alpha_f = (2.0 * r - 1.0) / (r + 1.0), r / (r + 1.0)
         excess = alpha_f - alpha_m
         mass = 0.5 * (3.0 - r) / (1.0 + r)
-        return Weights(alpha_m, alpha_f, 0.25 * (1.0 + excess) ** 2, 0.5 + excess, mass)
+        beta, gamma = 0.25 * (1.0 + excess) ** 2, 0.5 + excess
+        return Weights(alpha_m, alpha_f, beta, gamma, mass, _SHARE if r < 1.0 else 0.0)
 
 
 def refuse_constraints(equations: Equations, constraints: Constraints) -> None:

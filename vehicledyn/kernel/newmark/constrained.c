@@ -140,7 +140,7 @@ static double allowed_error(const struct run *m, const struct trial *s, const do
   double largest = 0.0;
   for (long long i = 0; i < m->n_pairs; i++)
     largest = fmax(largest, fabs(by_position * (s->a[i] - old[i])) / (1.0 + fabs(point[1 + i])));
-  return fmin(fmax(SHARE * largest, CLOSE_STATES), COARSEST);
+  return fmin(fmax(m->share * largest, CLOSE_STATES), COARSEST);
 }
 
 static int iterate_constrained(struct run *m, double end) {

@@ -118,7 +118,7 @@ class RunRecord(ctypes.Structure):
         *((name, _D) for name in ("alpha_m", "alpha_f", "beta", "second_order_gamma")),
         *((name, _D) for name in ("tolerance", "shortest", "blind_until", "start", "interval")),
         *((name, _D) for name in ("end", "whole", "to", "error", "least", "most", "wanted")),
-        *((name, _D) for name in ("weak", "first_order_gamma")),
+        *((name, _D) for name in ("weak", "first_order_gamma", "share")),
         *((name, _L) for name in ("n_rates", "n_watched")),
         ("pattern", PatternRecord),
         ("constrained", ConstrainedRecord),

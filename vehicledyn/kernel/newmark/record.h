@@ -89,7 +89,7 @@ struct run {
   long long room, status;
   double alpha_m, alpha_f, beta, second_order_gamma, tolerance, shortest, blind_until;
   double start, interval, end, whole, to, error, least, most, wanted, weak;
-  double first_order_gamma;
+  double first_order_gamma, share;
   long long n_rates, n_watched;
   struct pattern pattern;
   struct constrained constrained;

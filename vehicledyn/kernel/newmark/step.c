@@ -2,7 +2,7 @@
 
 enum { MOST_ITERATIONS = 20 };
 
-static const double CLOSE = 1e-12, COARSEST = 1e-6, SHARE = 1e-2, SLOW = 0.3, ROUNDING = 1e-10;
+static const double CLOSE = 1e-12, COARSEST = 1e-6, SLOW = 0.3, ROUNDING = 1e-10;
 
 /* The state at the end of a step by Newmark's formulas. */
 static void move(const struct run *m, double h, const real *old, const real *new, real *x) {
@@ -98,7 +98,7 @@ static vd_mask iterate(struct run *m, double end, vd_mask open) {
     mark_stale(m, vd_and(open, vd_and(vd_lt(vd_all(SLOW), contraction),
                                       vd_lt(vd_all(ROUNDING), size))));
     const real left = size * contraction / vd_larger(1.0 - contraction, vd_all(1e-3));
-    const real own = SHARE * local_error(m, h, residual, x);
+    const real own = m->share * local_error(m, h, residual, x);
     const real allowed = vd_lesser(vd_larger(own, vd_all(CLOSE)), vd_all(COARSEST));
     vd_mask done = vd_eq(size, vd_all(0.0));
     if (iteration) done = vd_or(done, vd_lt(left, allowed));
