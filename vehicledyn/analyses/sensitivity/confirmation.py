@@ -27,6 +27,9 @@ _APART, _OFTEN, _USUAL = 0.005, 0.02, 0.9
 """Part of the usual large difference by which a sample is not confirmed, and of the samples, for a
 warning; a few samples beside events are none. That difference is the quantile of all."""
 
+_NEAR = 0.02
+"""Part of the run's length within which an event counts as beside a sample."""
+
 _LEAST = 1e-11
 """Smallest effect on a channel that is judged, as a part of its largest value."""
 
@@ -69,9 +72,11 @@ def unconfirmed(
             continue
         errors = np.abs(found - expected[:, place]) / largest
         if np.mean(errors > _APART) > _OFTEN:
+            worst = int(np.argmax(errors))
             notes.append(
                 f"warning: runs with parameters changed by 0.1 % do not confirm the derivatives of "
-                f"'{names[place]}', by up to {np.max(errors):.0%}: the motion passes jumps of its "
+                f"'{names[place]}', by up to {errors[worst]:.0%} at {motion.times[worst]:.6g} s"
+                f"{_beside(motion, worst)}: the motion passes jumps of its "
                 "equations that are no events, or is very sensitive; they are those of these steps"
             )
     return notes
@@ -111,6 +116,15 @@ def unconfirmed_figure(
         "warning: runs with parameters changed by 0.1 % do not confirm the derivatives, by "
         f"{abs(found - expected) / scale:.0%}; they are those of these steps"
     ]
+
+
+def _beside(motion: MotionSlopes, sample: int) -> str:
+    """Return words on the event nearest to a sample, none where no event is near."""
+    time, near = motion.times[sample], _NEAR * float(np.ptp(motion.times))
+    event = min(motion.events, key=lambda item: abs(item.time - time), default=None)
+    if event is None or abs(event.time - time) > near:
+        return ""
+    return f", beside event '{event.name}' at {event.time:.6g} s"
 
 
 def _steps(chosen: Directions) -> Floats:

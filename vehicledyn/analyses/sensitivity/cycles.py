@@ -280,7 +280,8 @@ class _Cycles:
         if change > _TOLERATED:
             self.notes.append(
                 f"effects of parameters still change by {change:.1g} of the largest with twice as "
-                "fine a mesh: the motion has corners, as where contacts begin or jump"
+                "fine a mesh, about their error: the motion has corners, as where contacts "
+                "begin or jump, or where profiles given by tables pass from cubic to cubic"
             )
         return True
 

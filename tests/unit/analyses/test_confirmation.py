@@ -1,0 +1,28 @@
+"""Warnings of derivatives that runs do not confirm."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from vehicledyn.analyse.gradients.motion_slopes import EventSlope, MotionSlopes
+from vehicledyn.analyses.sensitivity import confirmation
+
+
+@pytest.mark.parametrize(("instant", "told"), [(0.4, True), (0.9, False)])
+def test_an_event_beside_the_worst_sample_is_named(monkeypatch, instant, told):
+    """Differences of a channel are another ones from 0.4 s on, the worst there."""
+    times = np.linspace(0.0, 1.0, 101)
+    wrong = 1e-3 * np.where(times >= 0.4, 2.0 - times, 1.0)[:, None]
+    monkeypatch.setattr(confirmation, "_difference", lambda _s, _c, steps: steps[0] / 1e-3 * wrong)
+    monkeypatch.setattr(confirmation, "_steps", lambda _: np.array([1e-3]))
+    channel = SimpleNamespace(name="height")
+    equations = SimpleNamespace(channels=[channel])
+    study = SimpleNamespace(prepared=SimpleNamespace(equations=equations), channels=[0])
+    events = [EventSlope("bounce", instant, np.zeros(1))]
+    ones = np.ones((101, 1))
+    motion = MotionSlopes(times, ones, ones[:, :, None], ones[0], ones[:1], events, "")
+    (note,) = confirmation.unconfirmed(study, None, motion, [0])
+    assert "'height', by up to" in note
+    assert "at 0.4 s" in note
+    assert ("beside event 'bounce' at 0.4 s" in note) is told
