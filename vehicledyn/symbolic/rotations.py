@@ -7,9 +7,11 @@ of the parent; the book writes its transpose.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from functools import cache
 
+from vehicledyn.base.errors import InputError
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec
 
@@ -164,3 +166,23 @@ def tait_bryan(rotation: Mat, sequence: tuple[int, int, int]) -> tuple[Scalar, S
 def yaw_pitch_roll(rotation: Mat) -> tuple[Scalar, Scalar, Scalar]:
     """Return yaw, pitch and roll [rad] of R = Rz(yaw) Ry(pitch) Rx(roll), ISO 8855."""
     return tait_bryan(rotation, (3, 2, 1))
+
+
+def direction(given: Sequence[Scalar]) -> Vec:
+    """Return three numbers or symbols as a column of length one.
+
+    Numbers that have that length already stay as they are.
+
+    Raises
+    ------
+    InputError
+        If all are zero, which points nowhere.
+    """
+    numbers = [float(item) for item in given if isinstance(item, int | float)]
+    if len(numbers) < len(given):
+        return ops.unit(ops.vector(*given))
+    size = math.hypot(*numbers)
+    if size == 0.0:
+        raise InputError("a direction is zero; give a vector that points somewhere")
+    is_unit = abs(size - 1.0) < 1e-12
+    return ops.vector(*(given if is_unit else [n / size for n in numbers]))

@@ -93,7 +93,9 @@ def brought_by(file: SystemFile, parameters: Parameters) -> Brought:
         except ExpressionError:
             continue
         except InputError as error:
-            field, words = _field_of(item, str(error))
+            own = str(error).removeprefix(f"{item.kind} '{name}': ")
+            field, words = _field_of(item, own)
+            words = words if field else str(error)
             found.problems.append((("elements", name, *field), words))
             found.failed[name] = item
             continue

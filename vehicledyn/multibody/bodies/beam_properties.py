@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 
+from vehicledyn.base.errors import InputError
 from vehicledyn.multibody.bodies.beam_sections import Section
 from vehicledyn.multibody.bodies.beam_shapes import quadrature
 from vehicledyn.multibody.model.declaration import choice, number
 from vehicledyn.symbolic.ops import Scalar
+
+_MOST_POISSON = 0.5
 
 TAPER_POINTS = 4
 """Further points of a quadrature that numbers of the fourth degree in the place need."""
@@ -33,6 +36,14 @@ class Material:
     density: Scalar = number("kg/m^3", "Density", above=0.0)
     young: Scalar = number("Pa", "Young's modulus E", above=0.0)
     poisson: Scalar = number("1", "Poisson's ratio", default=0.3, least=0.0)
+
+    def __post_init__(self) -> None:
+        """Refuse a ratio at which a pressed body would grow."""
+        if isinstance(self.poisson, int | float) and not -1.0 < self.poisson <= _MOST_POISSON:
+            raise InputError(
+                f"material.poisson: {self.poisson:g} is of no material; it is at most "
+                f"{_MOST_POISSON:g}, as of rubber, and 0.3 of steel"
+            )
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -56,6 +56,11 @@ class Section:
                 raise InputError(
                     f"section: a {self.shape} has no {item.name}; it has {' and '.join(needed)}"
                 )
+        if self.shape == "tube":
+            _refuse_excess("thickness", self.thickness, "the radius", self.radius)
+        if self.shape == "i_section":
+            _refuse_excess("web", self.web, "the width", self.width)
+            _refuse_excess("flange", self.flange, "half of the height", 0.5 * self.height)
 
     @property
     def numbers(self) -> SectionNumbers:
@@ -96,6 +101,14 @@ class Section:
             (2.0 * flange * b**3 + clear * web**3) / 12.0,
             (b * h**3 - (b - web) * clear**3) / 12.0,
             (2.0 * b * flange**3 + (h - flange) * web**3) / 3.0,
+        )
+
+
+def _refuse_excess(name: str, size: Scalar, whole: str, most: Scalar) -> None:
+    """Refuse a wall that is thicker than the section that it is part of; numbers alone."""
+    if isinstance(size, int | float) and isinstance(most, int | float) and size > most:
+        raise InputError(
+            f"section: its {name} of {size:g} m is more than {whole}, {most:g} m; make it thinner"
         )
 
 

@@ -10,7 +10,7 @@ from vehicledyn.base.registry import register
 from vehicledyn.base.shapes import Anchor, Coil, Shape
 from vehicledyn.multibody.model.declaration import attachment, law, vector
 from vehicledyn.multibody.model.parts import BasePart, Loads, Output, Situation, Wrench
-from vehicledyn.symbolic import ops
+from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.equations import Channel
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec
 
@@ -105,7 +105,7 @@ class LineOfAction:
         rotation_a = pair.rotation(a.body)
         where = pair.position(b.body, b.point) - pair.position(a.body)
         foot = rotation_a.T @ where
-        axis = ops.vector(*direction)
+        axis = rotations.direction(direction)
         length = ops.dot(axis, ops.vector(*a.point) - foot)
         there = Attachment(a.body, _items(foot))
         return cls(kinematics, there, b, -(rotation_a @ axis), length, rotation_a)

@@ -7,7 +7,9 @@ their element of the same kind, in which numbers may be expressions of parameter
 
 from __future__ import annotations
 
-from dataclasses import MISSING, field
+import math
+from collections.abc import Iterator
+from dataclasses import MISSING, field, fields, is_dataclass
 from typing import Any, Literal
 
 Nature = Literal["scalar", "polar", "axial", "sectional", "handed", "diagonal", "side"]
@@ -132,6 +134,27 @@ def law(family: str, description: str) -> Any:
 def group(description: str, *, default: Any = MISSING) -> Any:
     """Declare a field that holds a frozen dataclass of declared fields."""
     return _declared(default, "group", description)
+
+
+def out_of_bounds(item: Any) -> Iterator[str]:
+    """Yield what declared numbers of an element, and of groups in it, are beyond their bounds.
+
+    Numbers that are symbols, or None, are not judged.
+    """
+    for known in fields(item) if is_dataclass(item) else ():
+        facts, value = known.metadata, getattr(item, known.name, None)
+        if facts.get("declared") == "group" and value is not None:
+            yield from (f"{known.name}.{words}" for words in out_of_bounds(value))
+        if facts.get("declared") != "number" or not isinstance(value, int | float):
+            continue
+        unit = "" if facts["measure"] in ("", "1") else f" {facts['measure']}"
+        above, least = facts.get("above"), facts.get("least")
+        if math.isnan(value):
+            yield f"{known.name}: is no number"
+        elif above is not None and not value > above:
+            yield f"{known.name}: must be greater than {above:g}{unit}, is {value:g}"
+        elif least is not None and not value >= least:
+            yield f"{known.name}: must be at least {least:g}{unit}, is {value:g}"
 
 
 def _declared(default: Any, what: str, description: str, **facts: Any) -> Any:

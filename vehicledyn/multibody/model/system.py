@@ -13,6 +13,7 @@ from vehicledyn.multibody.model.bodies import ROLES, Body, Joint
 from vehicledyn.multibody.model.constraints import Constraint
 from vehicledyn.multibody.model.contributions import merged, parents_first
 from vehicledyn.multibody.model.cuts import Cut
+from vehicledyn.multibody.model.declaration import out_of_bounds
 from vehicledyn.multibody.model.ground import GROUND
 from vehicledyn.multibody.model.parts import Part
 from vehicledyn.symbolic.ops import Scalar
@@ -97,6 +98,9 @@ class System:
     def check(self) -> None:
         """Raise InputError with every fault of the tree at once: names, parents, kinds."""
         problems = [*_tree_problems(self), *_joint_problems(self), *_end_problems(self)]
+        judged: list[Part | Constraint] = [*self.parts, *self.constraints]
+        for item in judged:
+            problems += [f"{item.name}: {words}" for words in out_of_bounds(item)]
         if problems:
             listed = "\n".join(f"  - {problem}" for problem in problems)
             raise InputError(f"system '{self.name}' has {len(problems)} problem(s):\n{listed}")

@@ -14,7 +14,7 @@ from typing import Literal
 from vehicledyn.base.errors import InputError
 from vehicledyn.multibody.elements.contacts.touch import Placing, Touch
 from vehicledyn.multibody.model.declaration import ORIGIN, choice, number, vector
-from vehicledyn.symbolic import ops
+from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.labels import unlabelled
 from vehicledyn.symbolic.ops import Scalar, Vec
 
@@ -30,7 +30,7 @@ class FlatPlane:
 
     point: Sequence[Scalar] = vector("m", "A point of it, in the axes of the body", default=ORIGIN)
     normal: Sequence[Scalar] = vector(
-        "1", "Unit normal away from the body", default=(0.0, 0.0, 1.0)
+        "1", "Normal away from the body, of any length", default=(0.0, 0.0, 1.0)
     )
 
 
@@ -84,7 +84,7 @@ def on_plane(
     placing: Placing, body: str, plane: FlatPlane, ends: Sequence[Vec], radius: Scalar
 ) -> Touch:
     """Return where a capsule with these ends, in world axes, is closest to a plane."""
-    normal = unlabelled(placing.rotation(body)) @ ops.vector(*plane.normal)
+    normal = unlabelled(placing.rotation(body)) @ rotations.direction(plane.normal)
     point = unlabelled(placing.position(body, plane.point))
     heights = [ops.dot(normal, end - point) for end in ends]
     centre, height = ends[0], heights[0]

@@ -34,7 +34,7 @@ from vehicledyn.multibody.elements.contacts.contact_laws import (
 from vehicledyn.multibody.elements.contacts.touch import Placing, Touch
 from vehicledyn.multibody.model.declaration import ORIGIN, body_name, choice, vector
 from vehicledyn.multibody.model.parts import PartEvent, Situation
-from vehicledyn.symbolic import ops
+from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.labels import unlabelled
 from vehicledyn.symbolic.ops import Scalar, Vec
 
@@ -71,7 +71,7 @@ class CamContact(ContactPart):
     )
     normal: Sequence[Scalar] | None = vector(
         "1",
-        "Unit normal of a flat face away from the cam, in the axes of the follower's body",
+        "Normal of a flat face away from the cam, in the axes of the follower's body",
         default=None,
     )
 
@@ -137,7 +137,7 @@ class CamContact(ContactPart):
         """Return the axes X, Y, Z of the drawing in the axes of the cam's body."""
         turns = ops.vector(*(1.0 if k == self.axis else 0.0 for k in (1, 2, 3)))
         sense = -1.0 if isinstance(self.cam, OppositeCam) and not self.cam.touch.rocks else 1.0
-        up = sense * ops.vector(*(self.up or _UP[self.axis]))
+        up = sense * rotations.direction(self.up or _UP[self.axis])
         return ops.cross(up, turns), up, turns
 
     def _in_cam(
@@ -155,9 +155,8 @@ class CamContact(ContactPart):
             centre = x * axes[0] + y * axes[1] + z * axes[2]
             return found.distance, normal, centre - follower.roller * normal
         if follower.shape == "line":
-            given = unlabelled(placing.rotation(self.follower_body)) @ ops.vector(
-                *(self.normal or ORIGIN)
-            )
+            face = rotations.direction(self.normal or ORIGIN)
+            given = unlabelled(placing.rotation(self.follower_body)) @ face
             nx, ny = ops.dot(axes[0], given), ops.dot(axes[1], given)
             found = line_gap(self.cam, x, y, nx, ny)
             normal = nx * axes[0] + ny * axes[1]

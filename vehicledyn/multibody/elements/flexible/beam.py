@@ -27,6 +27,7 @@ from vehicledyn.multibody.bodies.curved_axis import CurvedAxis
 from vehicledyn.multibody.bodies.exact_beam import DIRECTIONS, ExactBeam
 from vehicledyn.multibody.bodies.modal_beam import ModalBeam, Stiffening
 from vehicledyn.multibody.bodies.segmented_beam import SegmentedBeam
+from vehicledyn.multibody.elements.flexible.beam_checks import DIRECTION_WORDS, check_beam
 from vehicledyn.multibody.elements.flexible.foundation import Foundation, FoundedBeam
 from vehicledyn.multibody.joints.deformation import DEFORMATION
 from vehicledyn.multibody.model.bodies import Body, Joint, Turn
@@ -37,21 +38,8 @@ from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.equations import Channel
 from vehicledyn.symbolic.ops import Scalar
 
-MOST_MODES = 12
-"""Modes of a direction beyond which the shapes of polynomials are no longer told apart."""
-MOST_SINES = 24
-"""The same of sines."""
-MOST_SEGMENTS = 1000
 _DRAWN, _DRAWN_CURVED = 8, 16
 """Pieces that a beam of assumed modes is drawn of, straight or curved."""
-_WORDS = {
-    "y": "bending along y",
-    "z": "bending along z",
-    "twist": "twist",
-    "stretch": "stretch",
-    "shear_y": "shear along y",
-    "shear_z": "shear along z",
-}
 
 
 @register("element_type", "beam")
@@ -123,78 +111,11 @@ class Beam(BasePart):
 
     def __post_init__(self) -> None:
         """Refuse what no beam can be."""
-        if (self.section is None) == (self.stiffness is None):
-            found = "neither" if self.section is None else "both"
-            raise InputError(f"section: give a section or a stiffness, not {found}")
-        if self.section is not None and self.material is None:
-            raise InputError("material: missing; a section needs density and young of one")
-        if self.section is None and self.material is not None:
-            raise InputError("material: a beam given by its stiffness has none; leave it out")
-        self._check_end()
-        if not 1 <= self.segments <= MOST_SEGMENTS:
-            raise InputError(f"segments: {self.segments:g} is not from 1 to {MOST_SEGMENTS}")
-        outside = [place for place in self.frames if not 0.0 <= place <= 1.0]
-        if outside:
-            words = f"frames: {outside[0]:g} is beyond the beam; places run from 0 to 1"
-            raise InputError(f"{words} of its length")
-        if self.stresses and (self.section is None or self.model == "segments"):
-            raise InputError(
-                "stresses: follow from a section and assumed modes; give a section, not a "
-                "stiffness, and 'model: modes' or 'exact'"
-            )
-        self._check_curvature()
-        self._check_modes()
-
-    def _check_curvature(self) -> None:
-        if self._axis is None:
-            return
-        if self.model == "modes":
-            raise InputError(
-                "curvature: shapes of small deflections are those of a straight beam; take "
-                "'model: exact' or 'model: segments'"
-            )
-        if self.foundation is not None:
-            raise InputError("foundation: holds a beam to a line; a curved one has none")
-        if self.end_section is not None or self.end_stiffness is not None:
-            raise InputError("curvature: a tapered beam is straight; give a chain of beams")
-
-    def _check_end(self) -> None:
-        if self.end_section is not None and self.section is None:
-            raise InputError("end_section: the beam is given by its stiffness; give end_stiffness")
-        if self.end_stiffness is not None and self.stiffness is None:
-            raise InputError("end_stiffness: the beam is given by its section; give end_section")
-        if self.section is None or self.end_section is None:
-            return
-        shape, other = self.section.shape, self.end_section.shape
-        if shape != other:
-            raise InputError(f"end_section: is {other} where the start is {shape}; give one shape")
-
-    def _check_modes(self) -> None:
-        counts = self._counts
-        if self.model != "exact" and counts["shear_y"] + counts["shear_z"]:
-            raise InputError("modes: shear is for beams with 'model: exact'; leave it out")
-        if self.stiffening == "axial_force" and not counts["stretch"]:
-            raise InputError("stiffening: an axial_force needs modes.stretch; give one or more")
-        if not any(counts.values()):
-            raise InputError("modes: the beam has none and would be rigid; give it some, or a body")
-        for direction, count in counts.items():
-            if not 0 <= count <= self._most(direction):
-                raise InputError(
-                    f"modes.{direction}: {count} is not from 0 to {self._most(direction)}, beyond "
-                    "which shapes are not independent in double precision; use segments for more"
-                )
-            modulus = getattr(self.numbers, direction)
-            if count and isinstance(modulus, int | float) and modulus <= 0.0:
-                raise InputError(
-                    f"stiffness.{direction}: the beam has modes of {_WORDS[direction]} and no "
-                    f"stiffness in it; give stiffness.{direction} or set modes.{direction} to 0"
-                )
-
-    def _most(self, direction: str) -> int:
-        return MOST_SINES if self.basis == "sines" and direction in ("y", "z") else MOST_MODES
+        check_beam(self)
 
     @property
-    def _counts(self) -> dict[str, int]:
+    def counts(self) -> dict[str, int]:
+        """Number of modes of each direction."""
         return {direction: getattr(self.modes, direction) for direction in DIRECTIONS}
 
     @cached_property
@@ -228,10 +149,10 @@ class Beam(BasePart):
     @cached_property
     def _modal(self) -> ModalBeam | ExactBeam:
         made = {
-            direction: self._shapes(direction, count) for direction, count in self._counts.items()
+            direction: self._shapes(direction, count) for direction, count in self.counts.items()
         }
         if self.model == "exact":
-            return ExactBeam(self.name, self.length, self.properties, made, self._axis)
+            return ExactBeam(self.name, self.length, self.properties, made, self.axis)
         return ModalBeam(self.name, self.length, self.properties, made, self.stiffening)
 
     def _shapes(self, direction: str, count: int) -> Shapes:
@@ -243,12 +164,12 @@ class Beam(BasePart):
 
     @cached_property
     def _segmented(self) -> SegmentedBeam:
-        yields = [direction for direction, count in self._counts.items() if count]
+        yields = [direction for direction, count in self.counts.items() if count]
         whole = (self.name, self.length, self.properties)
-        return SegmentedBeam(*whole, yields, self.segments, self._axis)
+        return SegmentedBeam(*whole, yields, self.segments, self.axis)
 
     @cached_property
-    def _axis(self) -> CurvedAxis | None:
+    def axis(self) -> CurvedAxis | None:
         """The axis of a curved beam, None of a straight one."""
         if all(ops.is_structurally_zero(item) for item in self.curvature):
             return None
@@ -296,7 +217,7 @@ class Beam(BasePart):
                 DEFORMATION,
                 beam.coordinates[k],
                 role=self.role,
-                description=f"Mode {j + 1} of {_WORDS[direction]} of {self.name}",
+                description=f"Mode {j + 1} of {DIRECTION_WORDS[direction]} of {self.name}",
                 settings={"measure": "rad" if direction == "twist" else "m"},
             )
             for direction in beam.ranges
@@ -307,7 +228,7 @@ class Beam(BasePart):
             self.body,
             self.at,
             (*self._turns, *joints),
-            **rigid_inertia(self.properties, self.length, self._axis),
+            **rigid_inertia(self.properties, self.length, self.axis),
             apparent_inertia=True,
             flexibility=beam,
         )
@@ -341,7 +262,7 @@ class Beam(BasePart):
 
     @property
     def _pieces(self) -> int:
-        return _DRAWN if self._axis is None else _DRAWN_CURVED
+        return _DRAWN if self.axis is None else _DRAWN_CURVED
 
     def _piece(self, number: int) -> str:
         return f"{self.name}.piece_{number + 1}"
@@ -357,10 +278,10 @@ class Beam(BasePart):
         start = self._segmented.names[0] if self.model == "segments" else self.name
         pair = kinematics.between(start, tip)
         reach = pair.rotation(start).T @ (pair.position(tip) - pair.position(start))
-        if self._axis is None:
+        if self.axis is None:
             moved = ops.vector(reach[0] - self.length, reach[1], reach[2])
         else:
-            moved = reach - self._axis.position(1.0)
+            moved = reach - self.axis.position(1.0)
         energy = Channel(f"{self.name}.strain_energy", "J", f"Strain energy of {self.name}")
         deflections = tuple(
             Output(
