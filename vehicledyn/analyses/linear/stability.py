@@ -12,7 +12,8 @@ from vehicledyn.analyses.preparation.prepare import Point
 from vehicledyn.analyses.preparation.prepared import Prepared
 from vehicledyn.base.errors import InputError, NumericalError
 
-_TOLD = 3
+_TOLD, _NAMED = 3, 6
+"""Growing modes, and states that are indifferent, that are named."""
 
 
 @dataclass(frozen=True)
@@ -20,13 +21,14 @@ class Stability:
     """How small motions about an equilibrium go on, counted by modes, and which of them grow.
 
     ``unknown`` says why it could not be found, else it is empty. Modes that neither grow nor
-    decay are free motions and undamped oscillations.
+    decay are free motions and undamped oscillations; ``indifferent`` are their largest states.
     """
 
     growing: tuple[Mode, ...] = ()
     decaying: int = 0
     neutral: int = 0
     unknown: str = ""
+    indifferent: tuple[str, ...] = ()
 
     @property
     def verdict(self) -> str:
@@ -35,7 +37,7 @@ class Stability:
             return "unknown"
         if self.growing:
             return "unstable"
-        return "stable" if self.decaying or not self.neutral else "neutral"
+        return "neutral" if self.neutral else "stable"
 
     def as_text(self) -> str:
         """Return verdict, counts and the growing modes, fastest first."""
@@ -44,7 +46,9 @@ class Stability:
         counts = [f"{_modes(self.decaying, 'decays', 'decay')}"]
         if self.neutral:
             free = _modes(self.neutral, "neither grows nor decays", "neither grow nor decay")
-            counts.append(f"{free} (free or undamped)")
+            which = f" in {', '.join(self.indifferent[:_NAMED])}" if self.indifferent else ""
+            more = ", ..." if len(self.indifferent) > _NAMED else ""
+            counts.append(f"{free}{which}{more} (free or undamped)")
         if not self.growing:
             return f"{self.verdict}: {', '.join(counts)}"
         fastest = [
@@ -61,6 +65,7 @@ class Stability:
             "unknown": self.unknown,
             "decaying": self.decaying,
             "neutral": self.neutral,
+            "indifferent": list(self.indifferent),
             "growing": [
                 {
                     "real": mode.eigenvalue.real,
@@ -98,7 +103,9 @@ def stability_of(prepared: Prepared, point: Point) -> Stability:
     growing = [m for m in moving if m.eigenvalue.real > STABLE]
     decaying = sum(1 for m in moving if m.eigenvalue.real < -STABLE)
     growing.sort(key=lambda mode: -mode.eigenvalue.real)
-    return Stability(tuple(growing), decaying, len(modes) - len(growing) - decaying)
+    still = [m for m in modes if m not in moving or abs(m.eigenvalue.real) <= STABLE]
+    names = dict.fromkeys(m.dominant[0] for m in still if m.dominant)
+    return Stability(tuple(growing), decaying, len(still), indifferent=tuple(names))
 
 
 def _value(mode: Mode) -> str:

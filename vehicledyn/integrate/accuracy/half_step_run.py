@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from vehicledyn.base.errors import NumericalError
-from vehicledyn.integrate.accuracy.watched_run import WatchedRun, Way
+from vehicledyn.integrate.accuracy.watched_run import KINETIC, WatchedRun, Way
 from vehicledyn.integrate.accuracy.windows import WindowStart, is_cheap, may_be_repeated, order_of
 from vehicledyn.integrate.channel_ranges import Ranges
 from vehicledyn.integrate.estimated_accuracy import ENERGY
@@ -24,6 +24,11 @@ that begins with the run.
 _DOUBT, _DEAR = 0.005, 20.0
 """Error in the short part from which a longer one is taken, all of a run that costs no more than
 so many times what is cheap."""
+
+_STILL, _ROUNDING = 0.1, 1e-9
+"""Part of the kinetic energy between samples below which samples meet it standing still, and the
+part of the largest energy that exchanges are no smaller than.
+"""
 
 _FINEST = 256
 """Most parts of a step when the early end of a run is looked at again."""
@@ -271,12 +276,22 @@ def balance_of(
 ) -> EnergyBalance | None:
     """Return the balance of the energy, None where there is none or it says nothing.
 
-    Symplectic Euler's places and velocities belong to instants half a step apart.
+    Symplectic Euler's places and velocities belong to instants half a step apart. Samples that meet
+    the motion where it stands still show no exchange; what is exchanged is above rounding.
     """
     make = watch.judged.balance
     if make is None or watch.grid.method == Method.SYMPLECTIC_EULER:
         return None
-    return make(samples.times, samples.values, rough=rough)
+    if KINETIC in watch.names and watch.kept is not None:
+        seen = float(watch.kept.values[:, watch.names.index(KINETIC)].max(initial=0.0))
+        if seen < _STILL * watch.between:
+            return None
+    found = make(samples.times, samples.values, rough=rough)
+    unit = watch.ranges.known.get("J")
+    if found is None or unit is None:
+        return found
+    least = _ROUNDING * float(watch.ranges.likes[unit])
+    return found._replace(exchanged=max(found.exchanged, least))
 
 
 def _ranges_apart(

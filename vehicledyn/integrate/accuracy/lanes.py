@@ -154,7 +154,7 @@ class LaneWatch:
         watch.measure_kept()
         kinds = watch.ranges.kinds(self.kernel.equations)
         for ends in self.ends:
-            watch.ranges.take_likes(kinds, ends[lane])
+            watch.take_end(kinds, np.array(self.channels), ends[lane])
         rows, halves = _of_lane(self.differences, lane), _of_lane(self.halves, lane)
         found = Windows.of(rows, self.grid, watch.ranges, len(times))
         if watch.hidden(found, halves) is not None:

@@ -41,6 +41,9 @@ _PARTS = 5, 3, 7
 SEEN = 0.5
 """Part of what uneven steps see that others must see to serve in their place."""
 
+KINETIC = "energy.kinetic"
+"""Channel of the kinetic energy."""
+
 _HUGE = 1e12
 """State, in SI units or in its values at the start, beyond which no vehicle gets."""
 
@@ -76,7 +79,8 @@ class WatchedRun:
 
     ``equations`` are those whose channels the run delivers; the kernel may change on the way.
     ``rerun`` takes a part of the run again. ``divided`` are the parts of a step that a finer run
-    takes. ``spares`` lie half way between the ``places``.
+    takes, ``between`` is the largest kinetic energy at ends of windows [J]. ``spares`` lie half way
+    between the ``places``.
     """
 
     equations: Equations
@@ -84,6 +88,7 @@ class WatchedRun:
     judged: Judged
     rerun: Rerun
     divided: int = 2
+    between: float = 0.0
     taken: int = 0
     places: list[WindowStart] = field(default_factory=list)
     spares: list[WindowStart] = field(default_factory=list)
@@ -230,9 +235,16 @@ class WatchedRun:
                 one, other = self._two_ends(place, finer)
         _, columns, kinds, _ = self._seen_as(place.kernel, place.state)
         if one is not None:
-            self.ranges.take_likes(kinds, one)
+            self.take_end(kinds, columns, one)
         apart = two_ends_apart(one, other)
         return None if apart is None else np.where(columns >= 0, apart[columns], 0.0)
+
+    def take_end(self, kinds: NDArray[np.intp], columns: NDArray[np.intp], outputs: Vector) -> None:
+        """Go on by all channels at the end of a window, whose judged ones are ``columns``."""
+        self.ranges.take_likes(kinds, outputs)
+        if KINETIC in self.names:
+            energy = outputs[columns[self.names.index(KINETIC)]]
+            self.between = max(self.between, float(energy) if np.isfinite(energy) else 0.0)
 
     def divide_to_see(self, place: WindowStart, channel: int) -> None:
         """Divide steps so that they move a judged channel as uneven ones do.

@@ -28,6 +28,9 @@ _ENDS = "_real", "_imag"
 _OF_ANY_LENGTH = ("cycle_direction",)
 """Directions whose length and sign mean nothing."""
 _ENDING = "status"
+_TOLD = 3
+"""Names that are listed of those that only one file has."""
+
 _HOW = "notes"
 """Texts on how a result came about, such as how many runs were known from before a kill."""
 
@@ -186,7 +189,22 @@ def _texts_differ(
     for name in texts[1]:
         is_wanted = name != _HOW and _is_chosen(name, patterns)
         if is_wanted and texts[0].get(name) != texts[1][name]:
-            yield f"other names in '{name}'"
+            ours_only, theirs_only = (
+                [item for item in texts[k].get(name, []) if item not in texts[1 - k].get(name, [])]
+                for k in (0, 1)
+            )
+            yield f"other names in '{name}'{_named(ours_only, theirs_only)}"
+
+
+def _named(ours_only: Sequence[str], theirs_only: Sequence[str]) -> str:
+    """Return the names that only one of two files has; nothing where they differ in order."""
+    sides = (("only here", ours_only), ("only in the reference", theirs_only))
+    parts = [
+        f"{words} {', '.join(names[:_TOLD])}{', ...' if len(names) > _TOLD else ''}"
+        for words, names in sides
+        if names
+    ]
+    return f": {'; '.join(parts)}" if parts else ", in another order"
 
 
 def _texts(file: h5py.File) -> dict[str, list[str]]:
