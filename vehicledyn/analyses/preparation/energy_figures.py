@@ -42,8 +42,7 @@ def energy_error(recording: Recording) -> Iterator[SummaryEntry]:
     """Yield the largest difference between the energy gained and the work of all forces.
 
     Implicit steps of order two let it swing with the motion by a part that the square of the step
-    gives, without drift where they damp nothing.
-    It is infinite where the samples of a run that diverged are too large to compute it.
+    gives. It is infinite where the samples of a run that diverged are too large to compute it.
     """
     from vehicledyn.results.store.layout import SummaryEntry
 
