@@ -4,13 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import Any
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.symbolic.ops import Scalar
-
-if TYPE_CHECKING:
-    from vehicledyn.multibody.elements.flexible.beam import Beam
 
 MOST_MODES = 12
 """Modes of a direction beyond which the shapes of polynomials are no longer told apart."""
@@ -28,8 +25,13 @@ DIRECTION_WORDS = {
 _PARALLEL = 1e-9
 
 
-def check_beam(beam: Beam) -> None:
+def check_beam(beam: Any) -> None:
     """Refuse what no beam can be; numbers that are symbols are not judged.
+
+    Parameters
+    ----------
+    beam
+        A :class:`~vehicledyn.multibody.elements.flexible.beam.Beam`, which calls this.
 
     Raises
     ------
@@ -61,7 +63,7 @@ def check_beam(beam: Beam) -> None:
     _check_inertia(beam)
 
 
-def _check_end(beam: Beam) -> None:
+def _check_end(beam: Any) -> None:
     if beam.end_section is not None and beam.section is None:
         raise InputError("end_section: the beam is given by its stiffness; give end_stiffness")
     if beam.end_stiffness is not None and beam.stiffness is None:
@@ -73,7 +75,7 @@ def _check_end(beam: Beam) -> None:
         raise InputError(f"end_section: is {other} where the start is {shape}; give one shape")
 
 
-def _check_axes(beam: Beam) -> None:
+def _check_axes(beam: Any) -> None:
     """Refuse a beam that lies in no direction, or whose upwards is along it."""
     along, up = _numbers(beam.direction), _numbers(beam.upwards)
     for name, given in (("direction", along), ("upwards", up)):
@@ -91,7 +93,7 @@ def _check_axes(beam: Beam) -> None:
         )
 
 
-def _check_curvature(beam: Beam) -> None:
+def _check_curvature(beam: Any) -> None:
     if beam.axis is None:
         return
     if beam.model == "modes":
@@ -117,7 +119,7 @@ def _check_curvature(beam: Beam) -> None:
             )
 
 
-def _check_modes(beam: Beam) -> None:
+def _check_modes(beam: Any) -> None:
     counts = beam.counts
     if beam.model != "exact" and counts["shear_y"] + counts["shear_z"]:
         raise InputError("modes: shear is for beams with 'model: exact'; leave it out")
@@ -139,7 +141,7 @@ def _check_modes(beam: Beam) -> None:
             )
 
 
-def _check_inertia(beam: Beam) -> None:
+def _check_inertia(beam: Any) -> None:
     """Refuse turns of sections that no inertia resists, of a straight beam."""
     if beam.axis is None and beam.counts["twist"] and _vanishes(beam.numbers.polar):
         raise InputError(
