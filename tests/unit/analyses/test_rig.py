@@ -189,3 +189,14 @@ def test_the_sedan_states_the_steering_gain_of_its_axle():
     text = (SYSTEMS / "sedan.yaml").read_text(encoding="utf-8")
     stated = float(re.search(r"steering_gain: \{value: (\S+) rad/m", text)[1])
     assert stated == pytest.approx(np.mean(gains), rel=1e-3)
+
+
+def test_the_rig_reports_camber_from_the_front_and_inclination_to_the_vertical():
+    """tan of camber is that of the inclination over the cosine of the steer angle (ISO 8855)."""
+    table = vd.rig("wishbone_arms_axle", test="steer")
+    camber, leant, steer = (
+        table[f"left_wheel_angles.{name}"].values
+        for name in ("camber", "inclination", "steer_angle")
+    )
+    assert np.abs(camber - leant).max() > 1e-3
+    assert np.tan(camber) * np.cos(steer) == pytest.approx(np.tan(leant), abs=1e-12)

@@ -136,7 +136,8 @@ def _instant(number: int, name: str) -> Callable[[Place], float]:
 
 ANGLES = (
     _value("toe_angle", "rad", "Toe angle, positive inwards"),
-    _value("camber", "rad", "Camber, positive outwards"),
+    _value("camber", "rad", "Camber as seen from the front, positive outwards"),
+    _value("inclination", "rad", "Inclination to the vertical, positive outwards"),
 )
 POSITION = (_value("half_track", "m", "Contact point from the middle plane"),)
 LOAD = (_value("load", "N", "Vertical load of the wheel"),)
