@@ -236,6 +236,7 @@ def test_defaults_of_the_model_stay_as_they_are(write):
          "Known: adaptive, fixed"),
         ("solver={kind: adaptive}", "solver: solver.relative_tolerance: missing: "
          "Relative tolerance"),
+        ("solver.step=7", "solver.step: 7 has no unit; write '7 s'"),
         ("solver.step=7 ms", "solver.step: 0.007 s does not divide the output interval of "
          "0.01 s; take 0.005 s"),
         ("parameters.chasis.mass=1", "parameters.chasis.mass: parameters.chasis: "
@@ -266,7 +267,7 @@ def test_problems_of_the_file_come_before_those_of_options(write):
 
 @pytest.mark.parametrize("step", ["1e-300", "1e-12"])
 def test_absurd_steps_are_refused(write, step):
-    (line,) = problems(write(("step: 1 ms", f"step: {step}")))
+    (line,) = problems(write(("step: 1 ms", f"step: {step} s")))
     assert "too short" in line
 
 

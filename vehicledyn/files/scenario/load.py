@@ -166,7 +166,6 @@ def examine_scenario(
     )
     problems += _unless_told(problems, wrong) + wrong_model
     problems += _unless_told(problems, unsuitable(data, written, sources))
-    problems += check_times(data, scenario, sources)
     if scenario is not None:
         told = [*beside(scenario, path.parent), *_motion_beside(scenario, path.parent)]
         told += named_coordinates(scenario, {} if written is None else written.coordinates)
@@ -175,9 +174,10 @@ def examine_scenario(
     if written is not None:
         units |= {f"parameters.{name}": unit for name, unit in written.units.items()}
     start = {} if written is None else _start_units(written)
-    places = {problem[:3] for problem in problems}
     bare = bare_numbers(data, {**units, **start}, sources)
-    problems += [problem for problem in bare if problem[:3] not in places]
+    for new in (bare, check_times(data, scenario, sources)):
+        places = {problem[:3] for problem in problems}
+        problems += [problem for problem in new if problem[:3] not in places]
     if problems or scenario is None or written is None:
         return None, problems
     resolved = as_plain(scenario) | written.described
