@@ -25,6 +25,9 @@ _COSTLY = 1_500_000
 """Operations of rates, for all columns of a Jacobian, from which on differences of compiled rates
 serve instead of it: Newton's method then gains but five digits a step."""
 
+_ROUNDING = 32.0 * float(np.finfo(float).eps)
+"""Relative changes of the states in an equilibrium that are but rounding."""
+
 _LARGEST_TURN = 0.5
 """How far a coordinate may turn at once on the way to an equilibrium [rad]."""
 
@@ -126,7 +129,8 @@ def find_equilibrium(
     balanced
         Indices of the rates that must vanish, as many as free states.
     tolerance
-        Largest rate that counts as zero, in units of the states per s.
+        Largest rate that counts as zero, in units of the states per s. Larger ones do that are but
+        the rounding of states, as where large forces of a thin beam act on small inertias.
     derivatives
         Those of the equations, where they are at hand already.
     settling
@@ -153,7 +157,9 @@ def find_equilibrium(
         begin = settle(problem.quickest, begin, longest=settling, largest_step=largest)
     found = problem.solved_roughly(begin, tolerance, largest)
     if found is None:
-        found = solve_damped(problem.evaluate, begin, tolerance=tolerance, largest_step=largest)
+        found = solve_damped(
+            problem.evaluate, begin, tolerance=tolerance, largest_step=largest, rounding=_ROUNDING
+        )
     if not found.solved:
         loose = _loose(equations, problem, found.point, int(np.argmax(np.abs(found.residual))))
         reasons = _reasons(equations, found.residual, balanced, tolerance, not_held())

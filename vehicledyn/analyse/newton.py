@@ -49,6 +49,7 @@ def solve_damped(
     max_iterations: int = 60,
     largest_step: Any = np.inf,
     persistent: bool = True,
+    rounding: float = 0.0,
 ) -> NewtonResult:
     """Find a point where every residual is at most the tolerance.
 
@@ -70,12 +71,16 @@ def solve_damped(
     persistent
         Whether to go on by Levenberg and Marquardt's method where Newton's fails; a continuation
         rather takes a shorter step.
+    rounding
+        Relative changes of the unknowns that are but rounding: a residual that such changes make
+        counts as zero too, |f| ≤ rounding |∂f/∂x| |x| row by row (Oettli, Prager 1964).
     """
-    result = _newton(evaluate, start, tolerance, max_iterations, largest_step)
+    ends = tolerance, rounding
+    result = _newton(evaluate, start, ends, max_iterations, largest_step)
     if result.solved or not persistent:
         return result
     nearest = _nearest(evaluate, start)
-    again = _newton(evaluate, nearest, tolerance, max_iterations, largest_step)
+    again = _newton(evaluate, nearest, ends, max_iterations, largest_step)
     iterations = result.iterations + again.iterations
     return NewtonResult(again.point, again.residual, iterations, again.solved)
 
@@ -134,19 +139,31 @@ def settle(
 
 
 def _newton(
-    evaluate: Evaluate, start: Vector, tolerance: float, max_iterations: int, largest_step: Any
+    evaluate: Evaluate,
+    start: Vector,
+    ends: tuple[float, float],
+    max_iterations: int,
+    largest_step: Any,
 ) -> NewtonResult:
     point = start
     residual, jacobian = evaluate(point)
     for iteration in range(max_iterations):
-        solved = _largest(residual) <= tolerance
+        solved = _is_zero(point, residual, jacobian, ends)
         trial = _damped_step(evaluate, point, residual, jacobian, largest_step)
         if trial is None or (solved and _largest(trial[1]) >= _largest(residual)):
             return NewtonResult(point, residual, iteration, solved)
         point, residual, jacobian = trial
         if solved:
             return NewtonResult(point, residual, iteration + 1, True)
-    return NewtonResult(point, residual, max_iterations, _largest(residual) <= tolerance)
+    solved = _is_zero(point, residual, jacobian, ends)
+    return NewtonResult(point, residual, max_iterations, solved)
+
+
+def _is_zero(point: Vector, residual: Vector, jacobian: Vector, ends: tuple[float, float]) -> bool:
+    """Return whether each residual is at most the tolerance, or what rounding of x makes of it."""
+    tolerance, rounding = ends
+    made = rounding * (np.abs(jacobian) @ np.abs(point)) if rounding else 0.0
+    return bool(np.all(np.abs(residual) <= np.maximum(tolerance, made)))
 
 
 def _damped_step(
