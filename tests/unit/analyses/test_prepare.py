@@ -9,7 +9,7 @@ from vehicledyn.multibody.equations import derivation
 
 
 def test_ctrl_c_while_deriving_is_not_swallowed(monkeypatch):
-    def solve_motion(_system):
+    def solve_motion(_system, **_options):
         with contextlib.suppress(KeyboardInterrupt):  # as CasADi's operators do
             signal.raise_signal(signal.SIGINT)
 

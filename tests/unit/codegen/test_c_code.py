@@ -92,7 +92,8 @@ def test_unknown_operation_is_named(needs_compiler):
 
 @pytest.mark.parametrize("make", [double_pendulum, lambda: rider(height(), quintic())])
 @pytest.mark.parametrize("piece", [1, 7, 20])
-def test_pieces_change_nothing(needs_compiler, monkeypatch, make, piece):
+def test_pieces_change_nothing(needs_compiler, monkeypatch, tmp_path, make, piece):
+    monkeypatch.setenv("VEHICLEDYN_CACHE", str(tmp_path / "cache"))
     equations = make()
     state, unknowns = starts(equations)
     whole = compile_kernel(equations, backend="compiled")
