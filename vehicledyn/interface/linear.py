@@ -42,8 +42,8 @@ def equilibrium(
     Returns
     -------
     LabelledData
-        Coordinates and forces by name, and ``coordinate_nominal``, ``coordinate_equilibrium``,
-        ``force_nominal``, ``force_equilibrium`` as arrays; ``attributes["stability"]`` is a word.
+        All channels by name, and ``coordinate_nominal``, ``coordinate_equilibrium``, the same of
+        ``force`` and of ``channel`` (all others) as arrays; ``attributes["stability"]`` is a word.
 
     Raises
     ------

@@ -21,6 +21,8 @@ from vehicledyn.results.tables.equilibrium_table import EquilibriumTable
 
 _FORCE_UNITS = ("N", "N*m")
 _SMALL = 5e-10
+_DIGITS = 1e-9
+"""Relative change below which a channel stays as it was."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +38,7 @@ class Row:
 
 @dataclass(frozen=True)
 class EquilibriumReport:
-    """Coordinates and forces of a vehicle in the nominal position and in equilibrium."""
+    """Coordinates, forces and other channels in the nominal position and in equilibrium."""
 
     title: str
     model: str
@@ -47,6 +49,7 @@ class EquilibriumReport:
     forces: list[Row]
     stability: Stability = field(default_factory=Stability)
     notes: tuple[str, ...] = ()
+    channels: list[Row] = field(default_factory=list)
 
     def as_text(self) -> str:
         """Return the report as a table."""
@@ -58,15 +61,19 @@ class EquilibriumReport:
             self.stability.as_text(),
             *self.notes,
             "",
-            f"{'coordinate':34} {'nominal':>16} {'equilibrium':>16} {'change':>16}",
+            _head("coordinate"),
         ]
         for row in self.coordinates:
             lines.append(_line(row.name, *_position_texts(row)))
-        lines += ["", f"{'force':34} {'nominal':>16} {'equilibrium':>16} {'change':>16}"]
+        lines += ["", _head("force")]
         for row in self.forces:
             change = row.equilibrium - row.nominal
             numbers = (row.nominal, row.equilibrium, change)
             lines.append(_line(row.name, *(f"{_clean(v):.3f} {row.unit}" for v in numbers)))
+        moved = [row for row in self.channels if _is_moved(row)]
+        if moved:
+            lines += ["", _head("what else changes")]
+        lines += [_line(row.name, *_channel_texts(row)) for row in moved]
         return "\n".join(lines)
 
     def as_dict(self) -> dict[str, Any]:
@@ -87,6 +94,7 @@ class EquilibriumReport:
             "notes": list(self.notes),
             "coordinates": table(self.coordinates),
             "forces": table(self.forces),
+            "channels": table(self.channels),
         }
 
     @property
@@ -98,13 +106,13 @@ class EquilibriumReport:
         ]
         verdict = self.stability.verdict
         head = (f"{self.kind.capitalize()} equilibrium: {self.title}", self.model, self.kind)
-        return EquilibriumTable(
-            *head, self.speed, self.residual, verdict, names[0], values[0], names[1], values[1]
-        )
+        facts = (*head, self.speed, self.residual, verdict)
+        (first, second, third), (at, under, beside) = names, values
+        return EquilibriumTable(*facts, first, at, second, under, third, beside)
 
     @property
-    def _rows(self) -> tuple[list[Row], list[Row]]:
-        return self.coordinates, self.forces
+    def _rows(self) -> tuple[list[Row], list[Row], list[Row]]:
+        return self.coordinates, self.forces, self.channels
 
 
 def find_equilibrium(
@@ -152,7 +160,7 @@ def find_equilibrium(
     nominal, balanced = _channels(prepared, start), _channels(prepared, point)
     progress("finding its stability", None)
     stability = stability_of(prepared, point)
-    coordinates, forces = _tables(prepared, nominal, balanced)
+    coordinates, forces, channels = _tables(prepared, nominal, balanced)
     return EquilibriumReport(
         target.title,
         prepared.equations.name,
@@ -163,6 +171,7 @@ def find_equilibrium(
         forces,
         stability,
         tuple(filter(None, [point.remark, *rounded_kinks(prepared, point)])),
+        channels,
     )
 
 
@@ -182,7 +191,8 @@ def _channels(prepared: Prepared, point: Point) -> NDArray[np.float64]:
 
 def _tables(
     prepared: Prepared, nominal: NDArray[np.float64], balanced: NDArray[np.float64]
-) -> tuple[list[Row], list[Row]]:
+) -> tuple[list[Row], list[Row], list[Row]]:
+    """Return the rows of coordinates, of forces and of all other channels."""
     e = prepared.equations
     turned = [k for attitude in e.attitudes for k in attitude.quaternion]
     coordinates = {s.name for s in (*(e.states[k] for k in (*e.positions, *turned)), *e.unknowns)}
@@ -193,6 +203,7 @@ def _tables(
     return (
         [row for row in rows if row.name in coordinates],
         [row for row in rows if row.unit in _FORCE_UNITS],
+        [row for row in rows if row.name not in coordinates and row.unit not in _FORCE_UNITS],
     )
 
 
@@ -200,11 +211,32 @@ _SHOWN_IN = {"rad": (180.0 / np.pi, "deg"), "m": (1e3, "mm"), "1": (1.0, "")}
 """Factor and unit in which positions are printed, by their SI unit."""
 
 
+_TOLD_IN = {**_SHOWN_IN, "Pa": (1e-6, "MPa")}
+"""Factor and unit in which other channels are printed, by their SI unit."""
+
+
+def _is_moved(row: Row) -> bool:
+    """Tell whether a channel that is no rate or power differs in equilibrium."""
+    size = max(abs(row.nominal), abs(row.equilibrium))
+    change = abs(row.equilibrium - row.nominal)
+    return "/s" not in row.unit and row.unit != "W" and change > max(_DIGITS * size, _SMALL)
+
+
+def _channel_texts(row: Row) -> tuple[str, ...]:
+    factor, unit = _TOLD_IN.get(row.unit, (1.0, row.unit))
+    values = (row.nominal, row.equilibrium, row.equilibrium - row.nominal)
+    return tuple(f"{_clean(v * factor):.6g} {unit}".rstrip() for v in values)
+
+
 def _position_texts(row: Row) -> tuple[str, str, str]:
     factor, unit = _SHOWN_IN.get(row.unit, (1.0, row.unit))
     values = (row.nominal, row.equilibrium, row.equilibrium - row.nominal)
     nominal, balanced, change = (f"{_clean(v * factor):.4f} {unit}".rstrip() for v in values)
     return nominal, balanced, change
+
+
+def _head(words: str) -> str:
+    return _line(words, "nominal", "equilibrium", "change")
 
 
 def _line(name: str, nominal: str, balanced: str, change: str) -> str:

@@ -183,11 +183,12 @@ def _scales(dataset: h5py.Dataset) -> list[h5py.Dataset | None]:
 
 
 def _by_name(path: Path) -> dict[str, LabelledArray]:
-    """Return the values of an equilibrium one by one, by the names of coordinates and forces."""
+    """Return the values of an equilibrium one by one, by the names of channels."""
     table = equilibrium_table.read_equilibrium(path)
     pairs = [
         *zip(table.coordinates, table.coordinate_values[1], strict=True),
         *zip(table.forces, table.force_values[1], strict=True),
+        *zip(table.channels, table.channel_values[1], strict=True),
     ]
     return {
         item.name: LabelledArray(item.name, np.asarray(value), (), item.unit, item.description)

@@ -125,6 +125,7 @@ def _equilibrium_facts(table: equilibrium_table.EquilibriumTable) -> dict[str, A
         "stability": table.stability,
         "coordinates": len(table.coordinates),
         "forces": len(table.forces),
+        "other channels": len(table.channels),
     }
 
 

@@ -108,6 +108,7 @@ def _equilibrium(table: equilibrium_table.EquilibriumTable) -> Parts:
         for title, quantities, values in (
             ("Coordinates", table.coordinates, table.coordinate_values),
             ("Forces", table.forces, table.force_values),
+            ("Other channels", table.channels, table.channel_values),
         )
         if quantities
     ]

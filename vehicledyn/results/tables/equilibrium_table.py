@@ -25,10 +25,10 @@ _VALUES = (
 
 @dataclass(frozen=True)
 class EquilibriumTable:
-    """Coordinates and forces in the nominal position and in equilibrium.
+    """Coordinates, forces and other channels in the nominal position and in equilibrium.
 
-    ``coordinate_values`` and ``force_values`` (2, n) hold both, in SI; ``residual`` is the largest
-    unbalanced acceleration, ``speed`` in m/s, ``stability`` a word.
+    ``coordinate_values``, ``force_values`` and ``channel_values`` (2, n) hold both, in SI;
+    ``residual`` is the largest unbalanced acceleration, ``speed`` in m/s, ``stability`` a word.
     """
 
     title: str
@@ -41,6 +41,8 @@ class EquilibriumTable:
     coordinate_values: Any
     forces: tuple[Quantity, ...]
     force_values: Any
+    channels: tuple[Quantity, ...] = ()
+    channel_values: Any = ((), ())
 
 
 def write_equilibrium(path: Path, table: EquilibriumTable) -> None:
@@ -63,6 +65,7 @@ def write_equilibrium(path: Path, table: EquilibriumTable) -> None:
         for place, quantities, values in (
             ("coordinate", table.coordinates, table.coordinate_values),
             ("force", table.forces, table.force_values),
+            ("channel", table.channels, table.channel_values),
         ):
             scale = write_quantities(file, place, quantities)
             for (name, words), row in zip(_VALUES, values, strict=True):
@@ -79,7 +82,10 @@ def read_equilibrium(path: Path) -> EquilibriumTable:
     """
     with old_file(path, FORMAT) as file:
         coordinates, forces = read_quantities(file, "coordinate"), read_quantities(file, "force")
-        sizes = Sizes({"coordinate": len(coordinates), "force": len(forces)})
+        has_more = "channel" in file  # Files up to 2026 hold but coordinates and forces.
+        channels = read_quantities(file, "channel") if has_more else ()
+        counts = {"coordinate": len(coordinates), "force": len(forces), "channel": len(channels)}
+        sizes = Sizes(counts)
 
         def rows(place: str) -> list[Any]:
             names = [f"{place}_{name}" for name, _ in _VALUES]
@@ -96,4 +102,6 @@ def read_equilibrium(path: Path) -> EquilibriumTable:
             rows("coordinate"),
             forces,
             rows("force"),
+            channels,
+            rows("channel") if has_more else ((), ()),
         )
