@@ -31,12 +31,14 @@ class Shapes:
 
     ``coefficients`` are those of Legendre polynomials of 2 ξ - 1, a column a shape; ``stiffness``
     are the λ_k; m is 2 for bending and 1 for twist and stretch. ``points`` of a Gauss
-    quadrature integrate products of two shapes and the place.
+    quadrature integrate products of two shapes and the place; ``slopes`` is at how many places
+    the squared slope of a combination is taken, ``points`` less one if None.
     """
 
     coefficients: Array
     stiffness: Array
     points: int
+    slopes: int | None = None
 
     @property
     def count(self) -> int:
@@ -106,15 +108,20 @@ def assumed_shapes(count: int, order: int, spare: int = 0) -> Shapes:
     basis = np.eye(size)
     for _ in range(order):
         basis = _times_place(basis)
-    points, weights = quadrature(size + order + 1)
-    parts = Shapes(basis, np.zeros(size), 0)
+    chosen, stiffness = _decoupled(basis, order)
+    return Shapes(chosen[:, :count], stiffness[:count], size + order)
+
+
+def _decoupled(basis: Array, order: int) -> tuple[Array, Array]:
+    """Return combinations that mass and stiffness do not couple, and their stiffness, ascending."""
+    points, weights = quadrature(len(basis) + 1)
+    parts = Shapes(basis, np.zeros(basis.shape[1]), 0)
     moved, bent = parts.at(points), parts.at(points, order)
     mass, stiff = ((item.T * weights) @ item for item in (moved, bent))
     root = np.linalg.inv(np.linalg.cholesky(mass))
     found, vectors = np.linalg.eigh(root @ stiff @ root.T)
-    chosen = basis @ (root.T @ vectors)[:, :count]
-    ends = np.sign(legendre.legval(1.0, chosen))
-    return Shapes(chosen * ends, found[:count], size + order)
+    chosen = basis @ (root.T @ vectors)
+    return chosen * np.sign(legendre.legval(1.0, chosen)), found
 
 
 @lru_cache(maxsize=16)
@@ -130,6 +137,42 @@ def hinged_shapes(count: int) -> Shapes:
     coefficients = (2.0 * order + 1.0)[:, None] * ((basis.T * weights) @ sines)
     stiffness = np.asarray((np.pi * np.arange(1.0, count + 1.0)) ** 4, dtype=np.float64)
     return Shapes(coefficients, stiffness, 2 * count + 6)
+
+
+@lru_cache(maxsize=16)
+def free_shapes(count: int) -> Shapes:
+    """Return bending shapes clamped at ξ = 0 of a beam whose body is free to move and turn.
+
+    Half of them, at most four, span the polynomials ξ², ξ³ ..., deflections under end forces and
+    even loads; the others the eigenfunctions of the beam with free ends less their rigid motion at
+    ξ = 0. With the motion of the body they span these eigenfunctions.
+    """
+    if not count:
+        return assumed_shapes(0, 2)
+    plain = min(_PLAIN, count - count // 2)
+    degree = 4 * count + 18
+    places, weights = quadrature(degree + 8)
+    order = np.arange(degree + 1)
+    fit = (2.0 * order + 1.0)[:, None] * legendre.legvander(2.0 * places - 1.0, degree).T * weights
+    waves = [fit @ (_with_free_ends(k, places) / places**2) for k in range(count - plain)]
+    columns = np.array([*np.eye(plain, degree + 1), *waves]).T
+    return Shapes(*_decoupled(_times_place(_times_place(columns)), 2), 2 * count + 6, count + 2)
+
+
+_PLAIN = 4
+"""Most polynomials among the shapes of a free beam."""
+_ROOTS = (4.730040744862704, 7.853204624095838, 10.995607838001671)
+"""Roots of cos b cosh b = 1; the next are odd multiples of π/2 to rounding."""
+
+
+def _with_free_ends(number: int, places: Array) -> Array:
+    """Return an eigenfunction of the free beam less its place and slope at ξ = 0."""
+    b = _ROOTS[number] if number < len(_ROOTS) else (number + 1.5) * np.pi
+    # cosh - s sinh = exp(-) - (s - 1) sinh, which does not cancel.
+    excess = (np.exp(-b) - np.cos(b) + np.sin(b)) / (np.sinh(b) - np.sin(b))
+    x, s = b * places, 1.0 + excess
+    waves = np.exp(-x) - excess * np.sinh(x) + np.cos(x) - s * np.sin(x)
+    return np.asarray(waves - 2.0 + 2.0 * s * x)
 
 
 def _times_place(columns: Array) -> Array:

@@ -10,7 +10,7 @@ of all pairs of shapes there are then as many slopes as shapes, and one or a few
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -41,7 +41,7 @@ class Shortening:
         start, end = (np.abs(self.shapes.values(x, 1)).max() for x in (0.0, 1.0))
         if start > _FLAT * end:
             return quadrature(self.shapes.points)[0], False
-        degree = self.shapes.degree
+        degree = self.shapes.slopes or self.shapes.points - 1
         found = legendre.legroots([0.0] * degree + [1.0, 1.0])
         return 0.5 * (1.0 + np.sort(found.real)[1:]), True
 
@@ -77,7 +77,7 @@ class Shortening:
         _, _, order = qr(self.slopes.T, mode="economic", pivoting=True)
         turned = self.slopes[np.sort(order[: self.shapes.count])]
         made = self.shapes.coefficients @ np.linalg.inv(turned)
-        return Shapes(made, self.shapes.stiffness, self.shapes.points), turned
+        return replace(self.shapes, coefficients=made), turned
 
     def followers(
         self, q: Sequence[Scalar], rates: Sequence[Scalar], length: Scalar, spread: Array

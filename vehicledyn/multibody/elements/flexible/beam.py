@@ -22,7 +22,13 @@ from vehicledyn.multibody.bodies.beam_properties import (
     tapered_stiffness,
 )
 from vehicledyn.multibody.bodies.beam_sections import Section
-from vehicledyn.multibody.bodies.beam_shapes import SPARE, Shapes, assumed_shapes, hinged_shapes
+from vehicledyn.multibody.bodies.beam_shapes import (
+    SPARE,
+    Shapes,
+    assumed_shapes,
+    free_shapes,
+    hinged_shapes,
+)
 from vehicledyn.multibody.bodies.curved_axis import CurvedAxis
 from vehicledyn.multibody.bodies.exact_beam import DIRECTIONS, ExactBeam
 from vehicledyn.multibody.bodies.modal_beam import ModalBeam, Stiffening
@@ -83,9 +89,9 @@ class Beam(BasePart):
         default="modes",
     )
     modes: Modes = group("Modes of each direction; for segments, where they yield")
-    basis: Literal["polynomials", "eigenfunctions", "sines"] = choice(
-        "Shapes of the modes: polynomials, eigenfunctions of the clamped beam, or for bending the "
-        "sines of a beam with a hinge at each end, which stay on the first axis",
+    basis: Literal["polynomials", "eigenfunctions", "free", "sines"] = choice(
+        "Shapes of the modes: polynomials, eigenfunctions of the clamped beam, or for bending "
+        "those of a free one beside polynomials, or sines, which stay on the first axis",
         default="polynomials",
     )
     stiffening: Stiffening = choice(
@@ -159,6 +165,8 @@ class Beam(BasePart):
         bends = direction in ("y", "z")
         if bends and self.basis == "sines":
             return hinged_shapes(count)
+        if bends and self.basis == "free":
+            return free_shapes(count)
         spare = SPARE if count and self.basis == "eigenfunctions" else 0
         return assumed_shapes(count, 2 if bends else 1, spare)
 
