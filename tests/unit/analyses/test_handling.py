@@ -179,6 +179,31 @@ def test_steady_cornering_ends_where_a_power_slide_begins():
         assert curve.values["lateral_acceleration"][-1] == pytest.approx(6.4, abs=0.1)
 
 
+def test_a_steady_turn_with_a_wheel_in_the_air_is_no_limit():
+    """Any rate of that wheel is a balance; a simulated drive keeps such a turn."""
+    solver, speed = solver_of("tractor_semitrailer"), 80.0 / 3.6
+    curve = constant_speed(solver, speed)
+    assert curve.limit == pytest.approx(4.068, abs=0.01)
+    lateral = curve.values["lateral_acceleration"]
+    k = int(np.searchsorted(lateral, 4.0)) - 1
+    assert lateral[k] > 3.94
+    point, outputs = curve.points[k], solver.car.outputs(curve.points[k])
+    assert curve.values["smallest_wheel_load"][k] == 0.0
+    angle = float(curve.values["steering_angle"][k])
+    held = {f"test.steering.angle.value_{k}": angle for k in range(8)}
+    run = drive(solver.car, DrivingTest(speed_control=solver.car.control), point, 3.0, held)
+    loads = [v[-1] for n, v in run.recording.channels.items() if n.endswith("tyre.normal_force")]
+    assert min(loads) == 0.0
+    assert run.signals.yaw_rate[-1] == pytest.approx(outputs["body.yaw_rate"], rel=1e-4)
+
+
+def test_a_curve_that_bends_before_its_limit_shows_it():
+    """A wheel of this car spins more and more there, so the way to the last turn misleads."""
+    curve = constant_radius(solver_of("automatic_sedan"), 100.0)
+    assert not curve.is_lost
+    assert curve.limit == pytest.approx(7.57, abs=0.02)
+
+
 def test_a_turn_beyond_the_grip_is_refused_with_what_was_asked(small_car):
     with pytest.raises(NumericalError, match="lateral acceleration 15 at 25 m/s"):
         small_car.find(Turn(SPEED, "lateral_acceleration", 15.0), small_car.straight(SPEED))
@@ -296,7 +321,7 @@ output: {interval: 10 ms}
 def test_a_driver_who_loses_the_car_says_when_and_where(tmp_path):
     path = tmp_path / "lost.yaml"
     path.write_text(LOST.replace("SPEED", "50 m/s").replace("STOP", "60 mm"))
-    with pytest.warns(vehicledyn.UnfinishedWarning, match="rolled over"):
+    with pytest.warns(vehicledyn.UnfinishedWarning, match="driver lost the car"):
         data = vehicledyn.simulate(path)
     assert data.status == "overturned"
     summary = data.summary

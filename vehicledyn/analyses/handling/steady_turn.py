@@ -186,10 +186,23 @@ class SteadyTurn:
         search = _Search(self._equations, turn(last[0]), last[1])
         rows = [np.append(self.unknowns(turn(v), point), v) for v, point in (before, last)]
         scale = np.maximum(np.abs(rows).max(axis=0), LEAST_SIZE)
-        way = (rows[1] - rows[0]) / scale
+        secant = (rows[1] - rows[0]) / scale
+        for way in (search.tangent(turn, rows[1], scale, secant), secant):
+            if way is not None:
+                highest = last[0] + most
+                found = self._beyond_along(search, turn, rows[1], way, scale=scale, highest=highest)
+                if found is not None:
+                    return found
+        return None
+
+    @staticmethod
+    def _beyond_along(
+        search: _Search, turn: TurnOf, last: Vector, way: Vector, *, scale: Vector, highest: float
+    ) -> tuple[float, CarPoint] | None:
+        """Return the next turn and its value by a way in the scale of the unknowns."""
         length = float(np.linalg.norm(way))
         for part in _PARTS_BEYOND:
-            ahead = rows[1] + part * (rows[1] - rows[0])
+            ahead = last + part * way * scale
 
             def evaluate(x: Vector, ahead: Vector = ahead) -> tuple[Vector, Vector]:
                 normal = way / length / scale
@@ -207,8 +220,7 @@ class SteadyTurn:
                 continue  # so far ahead the loops do not close
             aside = float(np.linalg.norm((found.point - ahead) / scale))
             value = float(found.point[-1])
-            is_near = aside <= _MOST_ASIDE * part * length and value <= last[0] + most
-            if found.solved and is_near:
+            if found.solved and aside <= _MOST_ASIDE * part * length and value <= highest:
                 search.turn = turn(value)
                 return value, search.point(found.point[:-1])
         return None
@@ -288,10 +300,27 @@ class _Search:
         rows = np.column_stack([jacobian[:, : len(x) - 1], by_value])
         return np.append(residual, gap), np.vstack([rows, normal])
 
+    def tangent(self, turn: TurnOf, x: Vector, scale: Vector, way: Vector) -> Vector | None:
+        """Return the tangent of the curve at a turn, as long as a way and within 90 deg of it.
+
+        Before a limit the curve bends away from the way to its last turn. None where the curve
+        has no tangent, or one across the way.
+        """
+        length = float(np.linalg.norm(way))
+        jacobian = self.evaluate_along(turn, x, way / length / scale, 0.0)[1] * scale
+        try:
+            along = np.linalg.solve(jacobian, np.append(np.zeros(len(x) - 1), 1.0))
+        except np.linalg.LinAlgError:
+            return None
+        size = float(np.linalg.norm(along))
+        return along * (length / size) if np.isfinite(size) else None
+
     def point(self, x: Vector) -> CarPoint:
         """Return the point of some unknowns."""
         return self._equations.moved(self.turn, self._point, x)
 
     def _at(self, x: Vector) -> tuple[Vector, Vector]:
         self._point = self.point(x)
-        return self._equations.at(self.turn, self._point, x)
+        residual, jacobian = self._equations.at(self.turn, self._point, x)
+        self._equations.hold_wheels_in_air(self._point, jacobian)
+        return residual, jacobian

@@ -30,6 +30,9 @@ _BRAKE_SCALE = 1e3
 _VALUE_STEP = 1e-5
 """Part of a value between which and itself the demands on its turn are differenced."""
 
+_UNHELD = 1e-6
+"""Rate at which its own turning slows down a wheel in the air, below any on the ground [1/s]."""
+
 _DEMANDS = ("steering", "lateral_acceleration", "curvature", "sideslip")
 
 
@@ -172,6 +175,25 @@ class TurnEquations:
         by_turn = jacobian[:, n + 3 :]
         by_turn[balances, 0] -= 1.0
         return residual, np.column_stack([jacobian[:, : n + 1], by_drive, by_turn])
+
+    def hold_wheels_in_air(self, point: CarPoint, jacobian: Vector) -> None:
+        """Let wheels in the air that nothing slows down keep their rate, in slopes of :meth:`at`.
+
+        Any rate is a balance of theirs, and the determinant would have the sign of rounding. The
+        residual stays, so that a wheel in the air that is driven is in none.
+        """
+        s = self._states
+        places = {k: (s.balanced.index(k), s.free.index(k)) for k in s.rolling}
+        loose = [k for k, place in places.items() if abs(jacobian[place]) < _UNHELD]
+        if not loose:
+            return
+        outputs = self._car.outputs(point)
+        for corner in self._car.vehicle.corners:
+            k = self._car.state(f"{corner.spin}_rate")
+            if k in loose and outputs[f"{corner.name}.tyre.normal_force"] <= 0.0:
+                row, column = places[k]
+                jacobian[row] = 0.0
+                jacobian[row, column] = -1.0
 
     def along(self, turn: TurnOf, value: float, jacobian: Vector) -> Vector:
         """Return the derivative by the value of a turn, from those that :meth:`at` gives.
