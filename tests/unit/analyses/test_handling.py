@@ -352,8 +352,8 @@ def test_a_truck_is_tested_within_its_limits():
     assert abs(found["straight_braking", "heading_change"]) < 0.02
     assert any("wheels lock" in note for note in tests.notes)
     assert found["trailer_sway", "sway_damping_ratio"] > 0.0
-    known = (" in place of ", "no stopping distance")
-    assert all(any(words in note for words in known) for note in tests.notes)
+    assert all(" in place of " in note for note in tests.notes)
+    assert found["straight_braking", "stopping_distance"] > 60.0
     assert not any("overturned" in note for note in tests.notes)
 
 
@@ -373,7 +373,9 @@ def test_a_car_that_rolls_over_has_tipped_up_whatever_its_chassis_is_called():
     found = {f.name: f.value for f in tests.figures}
     assert any("chassis.overturned" in note for note in tests.notes)
     assert found["tips_up"]
-    assert found["tip_up_speed"] == pytest.approx(45.0 * 0.44704)
+    assert 42.0 * 0.44704 < found["safe_speed"] < found["tip_up_speed"] <= 45.0 * 0.44704
+    assert found["tip_up_speed"] - found["safe_speed"] <= 0.01 * found["tip_up_speed"]
+    assert "two_wheel_height" not in found  # that of a car which lies on its side says nothing
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from vehicledyn.analyses.handling.standard_tests import SPLIT_DURATION, SPLIT_SPEED, StandardTests
+from vehicledyn.analyses.handling.standard_tests import SPLIT_SPEED, StandardTests
 from vehicledyn.analyses.handling.test_run import DrivenTest, drive, figures_of, sheet_of
 from vehicledyn.analyses.handling.tested_car import TestedCar
 from vehicledyn.analyses.handling.turn_equations import Turn
@@ -72,7 +72,7 @@ def _steer_on_split_friction(tests: StandardTests, car: TestedCar, torque: float
     name, words = "split_braking_steered", "split braking, steered"
     tests.progress(words, None)
     start = car.like(tests.solver.car, tests.straight_at(SPLIT_SPEED))
-    run = drive(car, test, start, SPLIT_DURATION, driver.numbers())
+    run = drive(car, test, start, tests.split_duration, driver.numbers())
     if run.ended_by:
         tests.notes.append(f"{words}: {run.note()}; recorded until then")
     tests.figures += figures_of(car, name, run)

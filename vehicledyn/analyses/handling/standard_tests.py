@@ -20,6 +20,7 @@ from vehicledyn.analyses.handling.response_sheets import (
 from vehicledyn.analyses.handling.steady_turn import SteadyTurn
 from vehicledyn.analyses.handling.test_run import DrivenTest, drive, figures_of, sheet_of
 from vehicledyn.analyses.handling.tested_car import CarPoint
+from vehicledyn.analyses.handling.tip_up_search import tip_up_search
 from vehicledyn.analyses.handling.turn_equations import Turn
 from vehicledyn.analyses.handling.turn_paths import reached
 from vehicledyn.base.errors import InputError, NumericalError
@@ -51,6 +52,9 @@ _MILE = 0.44704
 ROLLOVER_SPEEDS = tuple(speed * _MILE for speed in (35.0, 40.0, 45.0, 47.5, 50.0))
 """Entry speeds of the rollover tests, 35 to 50 mile/h [m/s]."""
 
+_BRAKE_AFTER, _STOPPING_SHARE = 1.0, 0.7
+"""When brakes are on [s], and the part of what they are to give that a test surely has [1]."""
+
 SPLIT_SPEED, SPLIT_DECELERATION, SPLIT_DURATION = _MOTORWAY, 4.0, 12.0
 """Initial speed on split friction [m/s], what its brakes would give on even friction [m/s²], and
 how long a run takes; a mean deceleration of 2.5 m/s² stops the car in it [s]."""
@@ -73,6 +77,8 @@ class StandardTests:
     notes: list[str] = field(default_factory=list)
     split_torque: float | None = None
     """Brake torque of the test on split friction, once it is known [N m]."""
+    split_duration: float = SPLIT_DURATION
+    """How long that test takes, with brakes that give less than is wanted too [s]."""
     _straight: dict[float, CarPoint] = field(default_factory=dict)
 
     def run_all(self) -> None:
@@ -225,15 +231,17 @@ class StandardTests:
         )
         held = {f"test.steering.angle.value_{k}": angle for k in range(8)}
         self._run("braking_in_turn", test, speed, 2.5, (start, held))
-        torque = self._brake_torque(_MOTORWAY, 6.0)
+        torque, size = self._braked(_MOTORWAY, 6.0)
         straight = StraightBraking(speed_control=self._control, torque=torque)
-        self._run("straight_braking", straight, _MOTORWAY, 7.0)
+        duration = _BRAKE_AFTER + _MOTORWAY / (_STOPPING_SHARE * size)
+        self._run("straight_braking", straight, _MOTORWAY, duration)
         if not self.solver.car.has_slippery_side:
             self.notes.append("split braking: left out: the tyres' law has no friction")
             return
-        self.split_torque = self._brake_torque(SPLIT_SPEED, SPLIT_DECELERATION)
+        self.split_torque, size = self._braked(SPLIT_SPEED, SPLIT_DECELERATION)
+        self.split_duration *= SPLIT_DECELERATION / size
         split = SplitBraking(speed_control=self._control, torque=self.split_torque)
-        self._run("split_braking", split, SPLIT_SPEED, SPLIT_DURATION)
+        self._run("split_braking", split, SPLIT_SPEED, self.split_duration)
 
     def crosswind(self) -> None:
         """Let a gust of 1 kN, 0.5 m ahead of the origin, act at 100 km/h."""
@@ -255,22 +263,13 @@ class StandardTests:
         self._run("trailer_sway", test, _MOTORWAY, 8.0)
 
     def _tip_up(self, name: str, test_at: Callable[[float], DrivingTest], duration: float) -> None:
-        tipped, overturned = math.nan, f"{self.solver.car.vehicle.chassis}.overturned"
-        for speed in ROLLOVER_SPEEDS:
-            test = test_at(speed)
-            run = self._drive(f"{name.replace('_', ' ')}, {speed / _MILE:g} mile/h", test, speed,
-                              duration)  # fmt: skip
-            figures = {f.name: f for f in figures_of(self.solver.car, name, run)}
-            if figures["two_wheel_lift"].value or run.ended_by == overturned:
-                tipped = speed
-                break
+        def drive_at(speed: float) -> DrivenTest:
+            words = f"{name.replace('_', ' ')}, {speed / _MILE:.4g} mile/h"
+            return self._drive(words, test_at(speed), speed, duration)
+
+        run, figures = tip_up_search(self.solver.car, name, drive_at, ROLLOVER_SPEEDS)
         self.sheets[name] = sheet_of(run)
-        self.figures += figures.values()
-        words = "Whether the car tips up at or below 50 mile/h"
-        self.figures.append(KeyFigure(name, "tips_up", not math.isnan(tipped), TRUTH, words))
-        if not math.isnan(tipped):
-            words = "Entry speed at which it does"
-            self.figures.append(KeyFigure(name, "tip_up_speed", tipped, "m/s", words))
+        self.figures += figures
 
     def _run(
         self,
@@ -344,10 +343,13 @@ class StandardTests:
         ratio = self.solver.car.table_places("test.steering.angle")[0]
         return float(point.parameters[ratio])
 
-    def _brake_torque(
+    def _brake_torque(self, speed: float, deceleration: float) -> float:
+        return self._braked(speed, deceleration)[0]
+
+    def _braked(
         self, speed: float, deceleration: float, parts: tuple[float, ...] = _PARTS_BRAKED
-    ) -> float:
-        """Return the torque for a deceleration, or for the part of it that the brakes reach."""
+    ) -> tuple[float, float]:
+        """Return the torque for a deceleration, or for the part that brakes reach, and that."""
 
         def turn(size: float) -> Turn:
             return Turn(speed, "steering", 0.0, -size)
@@ -358,13 +360,14 @@ class StandardTests:
         except NumericalError:
             if len(parts) == 1:
                 raise
-            return self._brake_torque(speed, deceleration, parts[1:])
+            return self._braked(speed, deceleration, parts[1:])
         if size < deceleration:
             self.notes.append(
                 f"braking from {speed * 3.6:.3g} km/h: for {size:.3g} m/s^2 in place of "
                 f"{deceleration:g} m/s^2, for which wheels lock"
             )
-        return float(point.parameters[self.solver.car.table_places("test.brake_torque")[0]])
+        place = self.solver.car.table_places("test.brake_torque")[0]
+        return float(point.parameters[place]), size
 
     @property
     def _control(self) -> SpeedControl:

@@ -26,7 +26,8 @@ class CoastDown(DrivingTest):
     """Release the throttle on a straight road, the steering wheel held straight, and roll.
 
     The summary has the deceleration d = d_0 + d_2 v² that fits the speed best, d_0 from rolling
-    and d_2 from the air, and how far and how long the car rolled.
+    and d_2 from the air where the vehicle has ``air_drag``, and how far and how long the car
+    rolled.
 
     References
     ----------
@@ -50,6 +51,8 @@ class CoastDown(DrivingTest):
         """Yield the coefficients of the deceleration, way and time."""
         import numpy as np
 
+        from vehicledyn.multibody.elements.air_drag import AirDrag
+
         rolled = signals.between(self.release_at + 0.1, float(signals.time[-1]))
         if len(rolled.time) < FEWEST_SAMPLES:
             return
@@ -65,6 +68,7 @@ class CoastDown(DrivingTest):
         words = "Deceleration d_0 + d_2 v²: its constant part, from rolling"
         yield from entry("rolling_deceleration", float(found[0]), "m/s^2", words)
         words = "Deceleration d_0 + d_2 v²: its coefficient d_2, from the air"
-        yield from entry("air_deceleration", float(found[1]), "1/m", words)
+        if any(isinstance(part, AirDrag) for part in vehicle.system.parts):
+            yield from entry("air_deceleration", float(found[1]), "1/m", words)
         yield from entry("rolled_distance", float(grown(speed)[-1]), "m", "Way without drive")
         yield from entry("rolled_time", float(time[-1]), "s", "Time without drive")
