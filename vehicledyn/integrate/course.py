@@ -18,12 +18,13 @@ class Beginning:
     ``history`` is what the method noted there; without it the method starts anew from the sample,
     and the motion agrees to the accuracy of the method. ``past`` gives times, states, unknowns and
     outputs of the samples up to there, block by block, if the same method with the same step made
-    them.
+    them. ``kept`` are the numbers that were kept up to then.
     """
 
     time: float
     history: Vector | None = None
     past: Callable[[], Iterable[tuple[Vector, ...]]] | None = None
+    kept: Vector | None = None
 
 
 @dataclass
@@ -44,11 +45,13 @@ class Course:
     """Notes the history of a run; ``beginning`` is that of a continued one.
 
     ``note`` is given the time of the last sample delivered [s] and the numbers that the method
-    needs to go on from where it is, which is that sample or less than one behind.
+    needs to go on from where it is, which is that sample or less than one behind. ``keep`` is given
+    numbers that all later notes build on.
     """
 
     note: Callable[[float, Vector], None]
     beginning: Beginning | None = None
+    keep: Callable[[Vector], None] | None = None
 
 
 def most_numbers(n_states: int, n_unknowns: int, n_events: int) -> int:

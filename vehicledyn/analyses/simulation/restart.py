@@ -130,7 +130,11 @@ def _restart(result: Result, loaded: LoadedScenario, prepared: Prepared) -> Rest
     return Restart(
         result,
         samples,
-        Beginning(time, None if history is None else history.numbers),
+        Beginning(
+            time,
+            None if history is None else history.numbers,
+            kept=None if history is None else result.kept_numbers[: history.kept[0]],
+        ),
         state.copy(),
         unknowns.copy(),
         tuple(

@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from vehicledyn.analyses.preparation.prepared import Prepared
 from vehicledyn.base.units import shown
 from vehicledyn.results.store.layout import SummaryEntry
 
@@ -48,3 +49,16 @@ def shown_entry(entry: SummaryEntry, width: int) -> ShownEntry:
     """Return an entry as a person reads it, its value padded to `width` characters."""
     text = shown(entry.value, entry.unit)
     return ShownEntry(entry.value, entry.unit, f"{text:<{width}} {entry.description}")
+
+
+def kernel_message(prepared: Prepared) -> str:
+    """Return what a run says of the kernel it uses."""
+    report = prepared.kernel.report
+    total = report.operations.get("rates", 0)
+    origin = "cached" if report.cached else f"built in {_built(prepared):.1f} s"
+    return f"kernel: {prepared.kernel.description}, {total} operations a right-hand side, {origin}"
+
+
+def _built(prepared: Prepared) -> float:
+    report = prepared.kernel.report
+    return report.generation_seconds + report.compilation_seconds

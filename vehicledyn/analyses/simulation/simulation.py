@@ -30,11 +30,12 @@ from vehicledyn.analyses.simulation.lost_driver import STATUS, lost_driver
 from vehicledyn.analyses.simulation.mended_profiles import mended_profiles
 from vehicledyn.analyses.simulation.moved_starts import moved_starts
 from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_watched
+from vehicledyn.analyses.simulation.partitions.run_notes import most_noted
 from vehicledyn.analyses.simulation.partitions.singular_turns import SingularTurns
 from vehicledyn.analyses.simulation.prepared_run import prepare_run
 from vehicledyn.analyses.simulation.restart import SINGULAR_ANGLES, Restart, open_restart
 from vehicledyn.analyses.simulation.road_gaps import road_gaps
-from vehicledyn.analyses.simulation.run_outcome import RunOutcome, shown_entry
+from vehicledyn.analyses.simulation.run_outcome import RunOutcome, kernel_message, shown_entry
 from vehicledyn.analyses.simulation.run_recording import RunRecording
 from vehicledyn.analyses.simulation.standing_wheels import standing_wheels
 from vehicledyn.analyses.simulation.steep_roads import steep_roads
@@ -133,7 +134,7 @@ def run_scenario(
     run = _Run(loaded, prepared, kept, needed, described, recorder, notes, turns, solver)
     with _opened(restart, loaded, prepared, kept) as known:
         run.simulate(start, output, progress, known)
-    messages = [_kernel_message(prepared), *notes, *run.messages]
+    messages = [kernel_message(prepared), *notes, *run.messages]
     width = max([14, *(len(shown(e.value, e.unit)) for e in run.summary)])
     summary = {e.name: shown_entry(e, width) for e in run.summary}
     return RunOutcome(output, run.status, summary, messages)
@@ -171,6 +172,7 @@ class _Run:
     summary: list[SummaryEntry] = field(default_factory=list)
     events: list[EventRecord] = field(default_factory=list)
     _last: tuple[float, Matrix, Matrix] | None = None
+    _repeated: list[EventRecord] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         channels = self.prepared.equations.channels
@@ -206,6 +208,7 @@ class _Run:
                     course=Course(
                         lambda t, numbers: writer.note(History(t, numbers)),
                         None if known is None else known.beginning_for(self.prepared, self.kept),
+                        writer.keep,
                     ),
                 )
                 if known is not None:
@@ -246,15 +249,21 @@ class _Run:
         self.notes.append(known.remark)
         begun = known.beginning
         if begun.history is not None:  # a kill before the next sample must not lose it
+            if begun.kept is not None:
+                writer.keep(begun.kept)
             writer.note(History(begun.time, begun.history))
         for times, states, unknowns, outputs in known.blocks(self.prepared, self.kept):
             self._take(writer, times, states, unknowns, outputs)
         for event in known.events:
             self._happened(writer, event)
+        # What was noted may be from just before what happened at the same time.
+        self._repeated = [event for event in known.events if event.time == begun.time]
         writer.flush()
         writer.appear()
 
     def _happened(self, writer: ResultWriter, event: EventRecord) -> None:
+        if event in self._repeated:
+            return
         self.events.append(event)
         writer.happened(event)
         self._remark(event)
@@ -295,7 +304,7 @@ class _Run:
             expected_samples=round(s.duration / s.output.interval) + 1,
             stage=None if self.recorder is None else self.recorder.stage,
             expected_pictures=0 if self.recorder is None else self.recorder.expected(s.duration),
-            history=most_numbers(len(e.states), len(e.unknowns), len(e.events)),
+            history=most_numbers(len(e.states), len(e.unknowns), len(e.events)) + most_noted(e),
             hidden=hidden,
         )
 
@@ -386,15 +395,3 @@ class _Run:
             values |= {} if accuracy is None else accuracy.as_attributes()
             known.update({k: v for k, v in values.items() if v is not None})
         return known
-
-
-def _kernel_message(prepared: Prepared) -> str:
-    report = prepared.kernel.report
-    total = report.operations.get("rates", 0)
-    origin = "cached" if report.cached else f"built in {_built(prepared):.1f} s"
-    return f"kernel: {prepared.kernel.description}, {total} operations a right-hand side, {origin}"
-
-
-def _built(prepared: Prepared) -> float:
-    report = prepared.kernel.report
-    return report.generation_seconds + report.compilation_seconds

@@ -61,6 +61,7 @@ def run_casadi(
                 buffer.add(states[row], guesses[row])
             state, unknowns, index = states[-1], guesses[-1], index + size
             if task.course is not None:
+                buffer.flush()
                 history = np.concatenate([[index], state, unknowns])
                 task.course.note(task.time(index), history)
     finally:

@@ -61,6 +61,22 @@ class PartitionWatch:
         return PartitionWatch(symbols.joints, Gaps(system, symbols, rows), bound_to(system))
 
     @property
+    def choices(self) -> dict[tuple[int, ...], list[int]]:
+        """Rows chosen so far, by the columns they determine; by none, those that are independent.
+
+        What a run goes on with when it is continued: other rows would differ by rounding.
+        """
+        found = dict(self._rows)
+        if self._independent is not None:
+            found[()] = self._independent
+        return found
+
+    @choices.setter
+    def choices(self, known: dict[tuple[int, ...], list[int]]) -> None:
+        self._rows = {columns: rows for columns, rows in known.items() if columns}
+        self._independent = known.get(())
+
+    @property
     def names(self) -> list[str]:
         """The coordinates."""
         return [joint.name for joint in self._joints]

@@ -1,9 +1,11 @@
 """What a run was at its last samples, kept in its file so that it can be continued.
 
 Two rows of ``/restart/history`` take turns, so that a kill leaves one of them whole: time of a
-sample [s], number of numbers, and the numbers that the method goes on with. ``/restart/crc``
-holds their checksums. ``/restart/event_at, event_name`` are the events so far, which stand in
-``/events`` only when the run has ended.
+sample [s], number of numbers, how many of those kept belong to it and their checksum, and the
+numbers that the method goes on with. ``/restart/crc`` holds the checksums of the rows.
+``/restart/event_at, event_name`` are the events so far, which stand in ``/events`` only when the
+run has ended. ``/restart/kept`` are numbers that histories build on, such as where equations were
+derived anew.
 """
 
 from __future__ import annotations
@@ -23,14 +25,19 @@ Floats = NDArray[np.float64]
 
 _NAME_BYTES = 256
 _EVENTS = 64  # in a chunk
-_HEAD = 2
+_KEPT = 1024  # in a chunk
+_HEAD, _FORMER_HEAD = 4, 2
 
 
 class History(NamedTuple):
-    """Time of a sample [s] and what the method goes on with from there."""
+    """Time of a sample [s], what the method goes on with from there, and how much was kept then.
+
+    ``kept`` is the length of what was kept, and its checksum.
+    """
 
     time: float
     numbers: Floats
+    kept: tuple[int, int] = (0, 0)
 
 
 class HistoryDatasets:
@@ -53,23 +60,53 @@ class HistoryDatasets:
             "event_name", (0,), f"S{_NAME_BYTES}", maxshape=(None,), chunks=(_EVENTS,)
         )
         self._name.dims[0].attach_scale(self._at)
+        self._kept = group.create_dataset("kept", (0,), "f8", maxshape=(None,), chunks=(_KEPT,))
         self._next = 0
+        self._pending: list[Floats] = []
+        self._noted: list[History] = []
+        self.kept_so_far = (0, 0)
+
+    def note(self, history: History) -> None:
+        """Note a history, with what has been kept so far."""
+        self._noted.append(history._replace(kept=self.kept_so_far))
+
+    def latest(self, time: float) -> History | None:
+        """Return the last of what was noted up to a time [s], and forget what is older."""
+        found = [history for history in self._noted if history.time <= time]
+        self._noted = self._noted[len(found) :]
+        return found[-1] if found else None
 
     def write(self, history: History) -> None:
         """Write a history over the older one of two."""
+        self._append(self._kept)
         self._put(self._rows, self._crc, history)
 
     def write_last(self, file: h5py.File, history: History) -> None:
         """Write a history when the file is finished."""
+        self._append(file[RESTART]["kept"])
         self._put(file[RESTART]["history"], file[RESTART]["crc"], history)
 
     def _put(self, rows: h5py.Dataset, sums: h5py.Dataset, history: History) -> None:
         row = np.full(rows.shape[1], np.nan)
-        row[0], row[1] = history.time, len(history.numbers)
+        row[:_HEAD] = history.time, len(history.numbers), *history.kept
         row[_HEAD : _HEAD + len(history.numbers)] = history.numbers
         rows[self._next] = row
         sums[self._next] = zlib.crc32(row.data)
         self._next = 1 - self._next
+
+    def keep(self, numbers: Floats) -> None:
+        """Keep numbers that later histories build on; they are written before those."""
+        length, crc = self.kept_so_far
+        self.kept_so_far = (length + len(numbers), zlib.crc32(numbers.tobytes(), crc))
+        self._pending.append(numbers)
+
+    def _append(self, kept: h5py.Dataset) -> None:
+        if self._pending:
+            numbers = np.concatenate(self._pending)
+            start = len(kept)
+            kept.resize(start + len(numbers), axis=0)
+            kept[start:] = numbers
+            self._pending.clear()
 
     def add_events(self, events: Sequence[EventRecord]) -> None:
         """Append events; the times come last."""
@@ -85,12 +122,28 @@ def read_history(file: h5py.File, latest: float) -> History | None:
     if RESTART not in file:
         return None
     rows, sums = file[RESTART]["history"][()], file[RESTART]["crc"][()]
+    head = _HEAD if "kept" in file[RESTART] else _FORMER_HEAD
+    kept = read_kept(file)
     found = [
-        History(float(row[0]), row[_HEAD : _HEAD + int(row[1])].copy())
+        History(
+            float(row[0]),
+            row[head : head + int(row[1])].copy(),
+            (int(row[2]), int(row[3])) if head == _HEAD else (0, 0),
+        )
         for row, crc in zip(rows, sums, strict=True)
-        if np.isfinite(row[:_HEAD]).all() and zlib.crc32(row.data) == crc and row[0] <= latest
+        if np.isfinite(row[:head]).all()
+        and zlib.crc32(row.data) == crc
+        and row[0] <= latest
+        and (head == _FORMER_HEAD or zlib.crc32(kept[: int(row[2])].tobytes()) == row[3])
     ]
     return max(found, key=lambda history: history.time, default=None)
+
+
+def read_kept(file: h5py.File) -> Floats:
+    """Return the numbers that histories build on."""
+    if RESTART not in file or "kept" not in file[RESTART]:
+        return np.zeros(0)
+    return np.asarray(file[RESTART]["kept"][()], dtype=float)
 
 
 def read_events(file: h5py.File) -> list[EventRecord]:

@@ -28,7 +28,13 @@ from vehicledyn.results.store.checked_columns import CheckedColumns
 from vehicledyn.results.store.column import Column
 from vehicledyn.results.store.consistency import require_groups, require_stored
 from vehicledyn.results.store.decimation import ColumnRange, column_range, portions, thinned
-from vehicledyn.results.store.history import History, read_ended_events, read_events, read_history
+from vehicledyn.results.store.history import (
+    History,
+    read_ended_events,
+    read_events,
+    read_history,
+    read_kept,
+)
 from vehicledyn.results.store.layout import (
     ENDED,
     STATUSES,
@@ -222,6 +228,12 @@ class Result(contextlib.AbstractContextManager["Result"]):
         """Return what the method goes on with in a continued run, from up to a time [s]."""
         with self._reading():
             return read_history(self._file, latest)
+
+    @property
+    def kept_numbers(self) -> Floats:
+        """The numbers that histories build on."""
+        with self._reading():
+            return read_kept(self._file)
 
     @property
     def events_so_far(self) -> tuple[EventRecord, ...]:

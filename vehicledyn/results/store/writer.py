@@ -115,7 +115,6 @@ class ResultWriter(contextlib.AbstractContextManager["ResultWriter"]):
         self._expected_pictures = expected_pictures
         self._waiting: list[Pictures] = []
         self._numbers = history
-        self._noted: list[History] = []
         self._events: list[EventRecord] = []
         self._last_time = -np.inf
         self._scratch = self.path.with_name(f".{self.path.name}.new")
@@ -177,7 +176,13 @@ class ResultWriter(contextlib.AbstractContextManager["ResultWriter"]):
 
     def note(self, history: History) -> None:
         """Keep what the method goes on with from a sample that was appended."""
-        self._noted.append(history)
+        if self._numbers:
+            self._kept.note(history)
+
+    def keep(self, numbers: Floats) -> None:
+        """Keep numbers that later notes build on."""
+        if self._numbers:
+            self._kept.keep(numbers)
 
     def happened(self, event: EventRecord) -> None:
         """Keep an event, for the case that the run does not come to its end."""
@@ -248,8 +253,8 @@ class ResultWriter(contextlib.AbstractContextManager["ResultWriter"]):
             sections.write_attributes(file["solver"], solver or {})
             sections.write_summary(file["summary"], summary)
             sections.write_events(file["events"], events)
-            history = self._history(self._last_time)
-            if history is not None and self._numbers and self._full is None:
+            history = self._kept.latest(self._last_time) if self._numbers else None
+            if history is not None and self._full is None:
                 self._kept.write_last(file, history)
             if surroundings is not None and GROUP in file:
                 write_surroundings(file[GROUP], surroundings)
@@ -355,15 +360,9 @@ class ResultWriter(contextlib.AbstractContextManager["ResultWriter"]):
         if self._events:
             self._kept.add_events(self._events)
             self._events.clear()
-        history = self._history(time)
+        history = self._kept.latest(time)
         if history is not None:
             self._kept.write(history)
-
-    def _history(self, time: float) -> History | None:
-        """Return the last of what was noted up to a time [s], and forget what is older."""
-        found = [history for history in self._noted if history.time <= time]
-        self._noted = self._noted[len(found) :]
-        return found[-1] if found else None
 
     def _write_pictures(self, container: Container) -> None:
         for pictures in self._waiting:

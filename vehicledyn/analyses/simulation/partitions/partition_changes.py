@@ -5,14 +5,19 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.analyses.simulation.partitions.rederived import derived_at, state_in, values_of
+from vehicledyn.analyses.simulation.partitions.rederived import (
+    Origin,
+    derived_from,
+    state_in,
+    values_of,
+)
 from vehicledyn.analyses.simulation.partitions.singularity_crossing import Sample
 from vehicledyn.analyses.simulation.partitions.singularity_monitor import (
     FINE_LEVERAGE,
@@ -67,7 +72,8 @@ class PartitionChanges:
 
     ``first`` are the equations that the run began with, ``known`` the kernels of other partitions
     derived so far, ``parts`` what the steps taken once more are counted in, ``event_times`` when
-    events have happened [s].
+    events have happened [s]. ``origins`` says where the equations of this run come from,
+    ``choices`` the rows that its watch begins with, ``count`` how often the partition has changed.
     """
 
     system: System
@@ -80,7 +86,9 @@ class PartitionChanges:
     changed_at: float = -np.inf
     event_times: list[float] = field(default_factory=list)
     log: PivotLog = field(init=False)
-    _changes: int = field(default=0, init=False)
+    origins: dict[tuple[str, ...], Origin] = field(default_factory=dict, init=False)
+    choices: dict[tuple[int, ...], list[int]] = field(default_factory=dict, init=False)
+    count: int = field(default=0, init=False)
 
     def __post_init__(self) -> None:
         """Remember whether the run compiles its kernels."""
@@ -89,7 +97,10 @@ class PartitionChanges:
     @cached_property
     def watch(self) -> PartitionWatch:
         """What compares the partitions of the system."""
-        return self.make_watch()
+        watch = self.make_watch()
+        if self.choices:
+            watch.choices = self.choices
+        return watch
 
     @cached_property
     def leverage(self) -> float:
@@ -106,7 +117,7 @@ class PartitionChanges:
     def never_lasts(self, time: float) -> bool:
         """Return whether partitions change so often that multipliers are likely to do better."""
         is_open = self.system.constraint_method == "auto"
-        return is_open and self._changes >= _MANY_CHANGES and self._is_brief(time)
+        return is_open and self.count >= _MANY_CHANGES and self._is_brief(time)
 
     @property
     def looks_on_trial(self) -> int | None:
@@ -124,13 +135,14 @@ class PartitionChanges:
         for best, kernel in self.known.items():
             if kernel.equations is equations:
                 self.known[best] = self.kernel
+                self.origins[best] = replace(self.origins[best], interpreted=False)
 
     def _is_brief(self, time: float) -> bool:
         """Return whether partitions change so often that another one is not compiled."""
         step = self.plan.step
-        if step is None or len(self.known) < _COMPILED - 1:
+        if step is None or len({*self.known, *self.origins}) < _COMPILED - 1:
             return False
-        return (time - self.plan.start) / step < _BRIEF * (self._changes + 1)
+        return (time - self.plan.start) / step < _BRIEF * (self.count + 1)
 
     @property
     def _dependent(self) -> list[str]:
@@ -230,25 +242,33 @@ class PartitionChanges:
         """
         if sample.time <= self.changed_at:
             raise lasts_no_longer(sample, found)
-        if found.best not in self.known:
-            self.plan.progress("deriving the equations with other dependent coordinates", None)
-            self.known[found.best] = derived_at(
-                self.system,
-                self.kernel,
-                sample,
-                first=self.first,
-                method="partitioning",
-                interpreted=not self.compiles or self._is_brief(sample.time),
+        if found.best not in self.known and found.best not in self.origins:
+            self.origins[found.best] = self.origin(
+                sample, interpreted=not self.compiles or self._is_brief(sample.time)
             )
-        new = self.known[found.best].with_parameters(self.kernel.parameters)
+        new = self.with_dependent(found.best)
         state, guess = state_in(new, self.kernel, sample)
         unknowns = new.solve_unknowns(sample.time, state, guess)
         outputs = new.outputs(sample.time, state, unknowns)
         return new, Sample(sample.time, state, unknowns, outputs)
 
+    def origin(self, sample: Sample, *, interpreted: bool) -> Origin:
+        """Return a sample as the place where equations are derived anew."""
+        return Origin.at(self.system, self.kernel, sample, self.first, interpreted=interpreted)
+
+    def with_dependent(self, best: tuple[str, ...]) -> Kernel:
+        """Return the kernel with some dependent coordinates, whose origin is known."""
+        parameters = self.kernel.parameters
+        if best not in self.known:
+            self.plan.progress("deriving the equations with other dependent coordinates", None)
+            self.known[best] = derived_from(
+                self.origins[best], self.system, parameters, self.first, "partitioning"
+            )
+        return self.known[best].with_parameters(parameters)
+
     def adopt(self, kernel: Kernel, here: Sample, found: Comparison) -> None:
         """Go on with a derived kernel from a sample, whatever follows."""
-        self.kernel, self.changed_at, self._changes = kernel, here.time, self._changes + 1
+        self.kernel, self.changed_at, self.count = kernel, here.time, self.count + 1
         self.log.change(here)
         _log.info("t = %.6g s: '%s' is no longer dependent", here.time, found.worst)
         self.plan.happened("partition.changed", here.time)

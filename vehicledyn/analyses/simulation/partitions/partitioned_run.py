@@ -32,7 +32,13 @@ from vehicledyn.analyses.simulation.partitions.partition_changes import (
     lasts_no_longer,
 )
 from vehicledyn.analyses.simulation.partitions.projected_run import ProjectedRun, projected_plan
-from vehicledyn.analyses.simulation.partitions.rederived import derived_at, state_in, values_of
+from vehicledyn.analyses.simulation.partitions.rederived import (
+    Origin,
+    derived_from,
+    state_in,
+    values_of,
+)
+from vehicledyn.analyses.simulation.partitions.run_notes import RunNotes, Standing
 from vehicledyn.analyses.simulation.partitions.singularity_crossing import Sample
 from vehicledyn.analyses.simulation.partitions.singularity_monitor import (
     WIDE_ZONE,
@@ -43,7 +49,7 @@ from vehicledyn.analyses.simulation.partitions.singularity_passing import Singul
 from vehicledyn.analyses.simulation.run_plan import Point, RunPlan
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.integrate.accuracy.watched_run import DivergenceError
-from vehicledyn.integrate.course import Course
+from vehicledyn.integrate.course import Beginning, Course
 from vehicledyn.integrate.task import Statistics, joined
 from vehicledyn.kernel.kernel import Kernel
 from vehicledyn.multibody.model.system import System
@@ -99,6 +105,11 @@ class PartitionedRun:
             zone=WIDE_ZONE if is_adaptive else ZONE,
             leverage=self._changes.leverage,
         )
+        self._beginning: Beginning | None = None
+        self._origin: Origin | None = None
+        self._notes = None
+        if self.course is not None:
+            self._notes = RunNotes(self._changes, self._log, self.course)
         self._started = time.perf_counter()
 
     @property
@@ -120,7 +131,7 @@ class PartitionedRun:
             If the integration cannot go on.
         """
         try:
-            self._go(RestartPoint(0, state, unknowns))
+            self._begin(state, unknowns)
         except Degrading as degrading:
             error = lasts_no_longer(degrading.sample, degrading.comparison)
             self._go_on_with_multipliers(degrading.sample, error)
@@ -132,6 +143,24 @@ class PartitionedRun:
             self._log.release()
         seconds = time.perf_counter() - self._started
         return replace(joined(self._parts), samples=self._delivered, wall_seconds=seconds)
+
+    def _begin(self, state: Vector, unknowns: Vector) -> None:
+        """Run from the start, or go on from what was noted."""
+        begun = None if self.course is None else self.course.beginning
+        if self._notes is None or begun is None or begun.history is None:
+            self._beginning = begun
+            self._go(RestartPoint(0, state, unknowns))
+            return
+        known = self._notes.recall(begun, begun.history)
+        self._beginning = known.beginning
+        if known.origin is not None:
+            self._origin = known.origin
+            self._changes.kernel = self._multipliers_from(known.origin)
+            self._project(known.start)
+        elif known.standing is not None and known.sample is not None:
+            self._segment = known.standing.segment
+            self._passing.passed = known.standing.passed
+            self._go(RestartPoint(known.standing.look, known.sample.state, known.sample.unknowns))
 
     def _go(self, place: RestartPoint) -> None:
         resumed, plan = False, self.plan
@@ -172,7 +201,11 @@ class PartitionedRun:
         return min((place.look + count for count in counts if count is not None), default=None)
 
     def _piece(self, place: RestartPoint, last: int | None) -> Statistics:
-        plan = self.plan
+        plan, course = self.plan, None
+        if self._notes is not None:
+            standing = Standing(place.look, self._segment, self._passing.passed)
+            course = self._notes.of_piece(standing, self._beginning)
+            self._beginning = None
         try:
             return replace(plan, happened=self._note_event).integrate(
                 self._changes.kernel,
@@ -181,8 +214,7 @@ class PartitionedRun:
                 sink=self._log.take,
                 parts=self._parts,
                 progress=lambda what, part: plan.report(what, part, self._log.latest_time),
-                # Behind a change or a passage nothing is noted: a continued run comes to it again.
-                course=self.course if place.look == 0 and last is None else None,
+                course=course,
                 each_step=self._at_step,
             )
         except Weakened as weakened:
@@ -254,30 +286,42 @@ class PartitionedRun:
             return None
         if not changes.watch.is_regular(sample.time, values_of(changes.kernel, sample)):
             return None
-        self.plan.progress("deriving the equations with multipliers", None)
+        self._origin = changes.origin(sample, interpreted=not changes.compiles)
         try:
-            return derived_at(
-                self.system,
-                changes.kernel,
-                sample,
-                first=self.first,
-                method="multipliers",
-                interpreted=not changes.compiles,
-            )
+            return self._multipliers_from(self._origin)
         except InputError:
             return None
+
+    def _multipliers_from(self, origin: Origin) -> Kernel:
+        """Return the equations with multipliers as derived at an origin."""
+        self.plan.progress("deriving the equations with multipliers", None)
+        parameters = self._changes.kernel.parameters
+        kernel = derived_from(origin, self.system, parameters, self.first, "multipliers")
+        return kernel.with_parameters(parameters)
 
     def _finish(self, kernel: Kernel, sample: Sample) -> None:
         """Run from a sample to the end with multipliers."""
         changes = self._changes
         state, guess = state_in(kernel, changes.kernel, sample)
-        changes.kernel = kernel.with_parameters(changes.kernel.parameters)
+        changes.kernel = kernel
         self.plan.happened("constraint_method.changed", sample.time)
         _log.info("t = %.6g s: constraints are treated with multipliers from now on", sample.time)
         begin = self._at_look(Point(sample.time, state, guess))
-        plan = replace(self.plan, start=begin.time, stop=self.plan.end, every=1, sink=self._hand_on)
-        run = ProjectedRun(changes.kernel, projected_plan(plan), lambda: changes.watch)
-        self._parts.append(run.go(begin.state, begin.unknowns, skip=True))
+        self._project(begin.time, begin)
+
+    def _project(self, start: float, begin: Point | None = None) -> None:
+        """Run with multipliers from a look at a start [s], or go on from what was noted."""
+        changes, beginning, course = self._changes, self._beginning, None
+        if self._notes is not None and self._origin is not None:
+            course = self._notes.of_multipliers(start, self._origin, beginning)
+        plan = replace(self.plan, start=start, stop=self.plan.end, every=1, sink=self._hand_on)
+        run = ProjectedRun(changes.kernel, projected_plan(plan), lambda: changes.watch, course)
+        e = changes.kernel.equations
+        if begin is not None:
+            found = run.go(begin.state, begin.unknowns, skip=True)
+        elif beginning is not None and beginning.history is not None:
+            found = run.go_on(beginning.history, len(e.states), len(e.unknowns))
+        self._parts.append(found)
 
     def _at_look(self, begin: Point) -> Point:
         """Run with multipliers from a place between two looks to the second, and hand it on."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from vehicledyn.analyses.simulation.partitions.singularity_crossing import Sample
 from vehicledyn.kernel.kernel import Kernel
 from vehicledyn.kernel.make_kernel import Backend, compile_kernel
+from vehicledyn.multibody.model.bodies import Joint
 from vehicledyn.symbolic.equations import Equations
 
 if TYPE_CHECKING:
@@ -20,27 +21,57 @@ if TYPE_CHECKING:
 Vector = NDArray[np.float64]
 
 
-def derived_at(
+@dataclass(frozen=True)
+class Origin:
+    """Where equations are derived anew: the same place leads to the same equations, to the bit.
+
+    ``values`` are those of :func:`names_at_origin` at a ``time`` [s], not a number where there are
+    none. ``interpreted`` says whether the equations are not compiled.
+    """
+
+    time: float
+    values: Vector
+    interpreted: bool
+
+    @classmethod
+    def at(
+        cls, system: System, kernel: Kernel, sample: Sample, first: Equations, *, interpreted: bool
+    ) -> Origin:
+        """Return it at a sample of a kernel; ``first`` are the equations that the run began with.
+
+        Their states are further states of parts too.
+        """
+        known = values_of(kernel, sample)
+        values = [known.get(name, math.nan) for name in names_at_origin(system, first)]
+        return cls(sample.time, np.array(values), interpreted)
+
+
+def names_at_origin(system: System, first: Equations) -> list[str]:
+    """Return the names of what equations are derived anew from: coordinates, rates and states."""
+    joints = [j for body in system.bodies for j in body.joints if isinstance(j, Joint)]
+    places = [name for joint in joints for name in (joint.name, joint.rate_name)]
+    return list(dict.fromkeys([*places, *(s.name for s in first.states)]))
+
+
+def derived_from(
+    origin: Origin,
     system: System,
-    kernel: Kernel,
-    sample: Sample,
-    *,
+    parameters: Vector,
     first: Equations,
     method: ConstraintMethod,
-    interpreted: bool,
 ) -> Kernel:
-    """Return a kernel of the equations with the configuration of a sample as the start.
+    """Return a kernel of the equations with the configuration at an origin as the start.
 
     Parameters
     ----------
-    system, kernel, sample
-        The system, the kernel that runs it, and where it is.
+    origin
+        Where the system is.
+    system, parameters
+        The system and the values of its parameters, shape (n_parameters,).
     first
-        The equations that the run began with, whose states are further states of parts too.
+        The equations that the run began with.
     method
         How the constraints are treated from now on; the partition is chosen anew.
-    interpreted
-        Whether the equations are not compiled.
 
     Raises
     ------
@@ -51,12 +82,13 @@ def derived_at(
     from vehicledyn.multibody.loops.loop_closure import AssemblyState
     from vehicledyn.multibody.loops.partition_monitor import freed
 
-    values, parameters = values_of(kernel, sample), kernel.parameters
+    pairs = zip(names_at_origin(system, first), origin.values.tolist(), strict=True)
+    values = {name: value for name, value in pairs if not math.isnan(value)}
     changed = replace(freed(system, values, parameters), constraint_method=method)
     states = {s.name: values[s.name] for s in first.states if s.name in values}
-    equations = derive(changed, moment=AssemblyState(sample.time, states))
+    equations = derive(changed, moment=AssemblyState(origin.time, states))
     # Multipliers of many entangled constraints are solved sparsely, which cannot be compiled.
-    backend: Backend = "interpreted" if interpreted else "auto"
+    backend: Backend = "interpreted" if origin.interpreted else "auto"
     return compile_kernel(equations, backend=backend, evaluations=math.inf)
 
 

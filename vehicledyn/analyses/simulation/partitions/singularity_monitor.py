@@ -101,6 +101,24 @@ class PivotLog:
         """Expect samples of a new piece, of which the first is known if ``skip``."""
         self._skip = skip
 
+    def known_at(self, time: float) -> tuple[Sample, Vector] | None:
+        """Return the last sample and what is known there, for a run that goes on from it.
+
+        None is returned if that is not the one at a time [s], or where samples are held back.
+        """
+        anchor, last = self._anchor, self._last
+        if self._held or anchor is None or last is None:
+            return None
+        if anchor.time != time or last.time != time:
+            return None
+        own = np.array([self._longest, self._tried])
+        return anchor, np.concatenate([own, last.pivots, last.rates, last.scale])
+
+    def recall(self, anchor: Sample, known: Vector) -> None:
+        """Go on from what was known at a sample that has been handed on."""
+        self._longest, self._tried = map(float, known[:2])
+        self._anchor, self._last = anchor, LastLook(anchor.time, *np.split(known[2:], 3))
+
     @property
     def latest_or_none(self) -> Sample | None:
         """The last sample, if there is one."""
