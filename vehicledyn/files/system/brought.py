@@ -11,7 +11,7 @@ from vehicledyn.base.problems import Place
 from vehicledyn.files.expressions.algebra import NUMBERS, ExpressionError
 from vehicledyn.files.expressions.expressions import Expression, read_expression
 from vehicledyn.files.expressions.parameters import Parameters
-from vehicledyn.files.system.declared_sets import DeclaredSet, element_of
+from vehicledyn.files.system.declared_sets import DeclaredSet, element_of, in_words
 from vehicledyn.files.system.joints import Coordinate
 from vehicledyn.files.system.sets import SystemFile
 from vehicledyn.multibody.model.bodies import Body, Joint
@@ -92,10 +92,11 @@ def brought_by(file: SystemFile, parameters: Parameters) -> Brought:
             bodies = element_of(item, name, value, ()).added_bodies()
         except ExpressionError:
             continue
-        except InputError as error:
-            own = str(error).removeprefix(f"{item.kind} '{name}': ")
+        except (InputError, OverflowError) as error:
+            head = f"{item.kind} '{name}': "
+            own = in_words(error).removeprefix(head)
             field, words = _field_of(item, own)
-            words = words if field else str(error)
+            words = words if field else f"{head}{own}"
             found.problems.append((("elements", name, *field), words))
             found.failed[name] = item
             continue

@@ -183,8 +183,12 @@ def element_of(item: DeclaredSet, name: str, value: Values, coordinates: Sequenc
         return item.made_from(**named, **own)
     except (InputError, OverflowError) as error:
         head = f"{item.kind} '{name}': " if name else ""
-        words = "its numbers are too large" if isinstance(error, OverflowError) else error
-        raise InputError(f"{head}{words}") from None
+        raise InputError(f"{head}{in_words(error)}") from None
+
+
+def in_words(error: Exception) -> str:
+    """Return what is wrong with the numbers of an element."""
+    return "its numbers are too large" if isinstance(error, OverflowError) else str(error)
 
 
 def _function_of(

@@ -61,6 +61,7 @@ class HistoryDatasets:
         )
         self._name.dims[0].attach_scale(self._at)
         self._kept = group.create_dataset("kept", (0,), "f8", maxshape=(None,), chunks=(_KEPT,))
+        self._kept.make_scale("kept")
         self._next = 0
         self._pending: list[Floats] = []
         self._noted: list[History] = []
