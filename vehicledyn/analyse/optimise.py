@@ -90,7 +90,7 @@ def optimise(
 ) -> Optimum:
     """Return where an objective is least within bounds and constraints.
 
-    Where the search comes to no point that keeps all constraints, the squares of what they are
+    Where the search finds no point that keeps all constraints, the squares of what they are
     missed by are made least: either the search goes on from there, or no such point is near.
 
     Parameters

@@ -9,8 +9,8 @@ from vehicledyn.analyse.gradients.motion_slopes import EventSlope, MotionSlopes
 from vehicledyn.analyses.sensitivity import confirmation
 
 
-@pytest.mark.parametrize(("instant", "told"), [(0.4, True), (0.9, False)])
-def test_an_event_beside_the_worst_sample_is_named(monkeypatch, instant, told):
+@pytest.mark.parametrize(("instant", "named"), [(0.4, True), (0.9, False)])
+def test_an_event_beside_the_worst_sample_is_named(monkeypatch, instant, named):
     """Differences of a channel are another ones from 0.4 s on, the worst there."""
     times = np.linspace(0.0, 1.0, 101)
     wrong = 1e-3 * np.where(times >= 0.4, 2.0 - times, 1.0)[:, None]
@@ -25,4 +25,4 @@ def test_an_event_beside_the_worst_sample_is_named(monkeypatch, instant, told):
     (note,) = confirmation.unconfirmed(study, None, motion, [0])
     assert "'height', by up to" in note
     assert "at 0.4 s" in note
-    assert ("beside event 'bounce' at 0.4 s" in note) is told
+    assert ("beside event 'bounce' at 0.4 s" in note) is named

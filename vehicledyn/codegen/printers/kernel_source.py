@@ -254,7 +254,7 @@ def kernel_tables(equations: Equations, of: KernelSizes) -> str:
 
 
 def kernel_counts(of: KernelSizes) -> str:
-    """Return what a library tells of its model: numbers of constants, new values, operations."""
+    """Return what a library says of its model: numbers of constants, new values, operations."""
     return "\n".join(
         [
             f"VD_EXPORT const int vd_constants = {of.constants};",

@@ -46,7 +46,7 @@ class OptimumTable:
     the start and the optimum ``figure_values`` (2, m) and ``figure_slopes`` (m, n) there; the runs
     with ``points`` (n_runs, n), ``objective`` and ``violation`` (n_runs,); ``front`` the best
     compromises with a second figure. ``status`` is "ok", or "infeasible" where a constraint is not
-    kept, of which ``message`` tells.
+    kept, which ``message`` names.
     """
 
     title: str
