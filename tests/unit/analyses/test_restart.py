@@ -5,6 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 
@@ -136,6 +137,18 @@ def test_a_run_in_two_pieces_is_that_in_one(tmp_path, text):
     if text == BOUNCING:
         with open_result(tmp_path / "second.h5") as result:
             assert len(result.events) > 3
+
+
+@pytest.mark.parametrize("text", [LOOPED, STIFF])
+def test_histories_of_former_files_are_left_alone(tmp_path, text):
+    """They hold other numbers in other places: read as today's, the motion would be wrong."""
+    run(tmp_path, text, "whole.h5")
+    run(tmp_path, text, "first.h5", "duration=0.4 s")
+    with h5py.File(tmp_path / "first.h5", "r+") as file:
+        del file["restart/kept"]
+    outcome = run(tmp_path, text, "second.h5", restart="first.h5")
+    assert "to the accuracy of the method" in " ".join(outcome.messages)
+    assert_same(tmp_path / "whole.h5", tmp_path / "second.h5", tolerance=1e-3)
 
 
 @pytest.mark.parametrize("interval", ["9 ms", "100 ms", "450 ms"])

@@ -26,7 +26,7 @@ Floats = NDArray[np.float64]
 _NAME_BYTES = 256
 _EVENTS = 64  # in a chunk
 _KEPT = 1024  # in a chunk
-_HEAD, _FORMER_HEAD = 4, 2
+_HEAD = 4
 
 
 class History(NamedTuple):
@@ -119,23 +119,26 @@ class HistoryDatasets:
 
 
 def read_history(file: h5py.File, latest: float) -> History | None:
-    """Return the last whole history up to a time [s], None if there is none."""
-    if RESTART not in file:
+    """Return the last whole history up to a time [s], None if there is none.
+
+    Files from before numbers were kept hold histories of other parts, from which no run goes on.
+    """
+    if RESTART not in file or "kept" not in file[RESTART]:
         return None
     rows, sums = file[RESTART]["history"][()], file[RESTART]["crc"][()]
-    head = _HEAD if "kept" in file[RESTART] else _FORMER_HEAD
     kept = read_kept(file)
     found = [
         History(
             float(row[0]),
-            row[head : head + int(row[1])].copy(),
-            (int(row[2]), int(row[3])) if head == _HEAD else (0, 0),
+            row[_HEAD : _HEAD + int(row[1])].copy(),
+            (int(row[2]), int(row[3])),
         )
         for row, crc in zip(rows, sums, strict=True)
-        if np.isfinite(row[:head]).all()
+        if len(row) >= _HEAD
+        and np.isfinite(row[:_HEAD]).all()
         and zlib.crc32(row.data) == crc
         and row[0] <= latest
-        and (head == _FORMER_HEAD or zlib.crc32(kept[: int(row[2])].tobytes()) == row[3])
+        and zlib.crc32(kept[: int(row[2])].tobytes()) == row[3]
     ]
     return max(found, key=lambda history: history.time, default=None)
 

@@ -10,7 +10,7 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.symbolic.ops import Scalar
 
 MOST_MODES = 12
-"""Modes of a direction beyond which the shapes of polynomials cannot be distinguished numerically."""
+"""Modes of a direction beyond which rounding makes the shapes of polynomials dependent."""
 MOST_SINES = 24
 """The same of sines."""
 MOST_SEGMENTS = 1000
@@ -88,8 +88,8 @@ def _check_axes(beam: Any) -> None:
     across = math.hypot(y * c - z * b, z * a - x * c, x * b - y * a)
     if across <= _PARALLEL * math.hypot(*along) * math.hypot(*up):
         raise InputError(
-            "upwards: is along the beam and leaves open the plane of its x and z axes; give upwards "
-            "another direction, such as [1, 0, 0] for a beam that stands upright"
+            "upwards: is along the beam and leaves open the plane of its x and z axes; give "
+            "upwards another direction, such as [1, 0, 0] for a beam that stands upright"
         )
 
 
