@@ -13,6 +13,11 @@ from vehicledyn.kernel.make_kernel import compile_kernel
 
 STEP, PHASE = 1e-3, 0.3
 METHODS = [RungeKutta4, SymplecticEuler, Newmark]
+CASES = [
+    pytest.param(times, method, marks=() if times in (4, 12) else pytest.mark.long)
+    for times in (2, 4, 6, 8, 12, 20, 60, 64)
+    for method in METHODS
+]
 
 
 def pushed(times):
@@ -47,8 +52,7 @@ def run(times, solver, interval=10e-3):
     return statistics.accuracy, float(np.abs(np.concatenate(found)[:, 0]).max())
 
 
-@pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("times", [2, 4, 6, 8, 12, 20, 60, 64])
+@pytest.mark.parametrize(("times", "method"), CASES)
 def test_a_force_that_repeats_in_half_a_step_is_seen(times, method, needs_compiler):
     """Its mean is zero; to steps it is a constant that moves the mass by 165 m."""
     accuracy, largest = run(times, method(step=STEP))
