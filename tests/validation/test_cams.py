@@ -170,6 +170,8 @@ def test_lift_off_flight_and_impact(speed, tmp_path):
     events = {e.name: e.time for e in reversed(found.events)}
     assert events["contact.lifts_off"] == pytest.approx(off, rel=1e-8)
     assert events["contact.hits"] == pytest.approx(hit, rel=1e-8)
+    after = found["contact.impact_speed"].values[found["time"].values > hit]
+    assert after[0] == pytest.approx(-rate, rel=1e-8)
     time = found["time"].values
     s, v = E * (1 - math.cos(speed * hit)), E * speed * math.sin(speed * hit)
     stretches = (

@@ -164,6 +164,14 @@ def test_an_eccentric_circle_is_its_closed_form():
     assert roller.geometry(ANGLES).profile_radius == pytest.approx(np.full(83, 0.04), abs=1e-14)
 
 
+def test_the_least_height_lies_between_the_samples():
+    """An offset roller on an eccentric circle, where line and centres lie in one line."""
+    follower = {"kind": "roller", "radius": "7 mm", "offset": "5 mm"}
+    circle = {**ECCENTRIC, "radius": "35 mm", "eccentricity": "12 mm", "direction": "31 deg"}
+    found = cam(outline=circle, follower=follower)
+    assert found.start == pytest.approx(math.sqrt((0.042 - 0.012) ** 2 - 0.005**2), abs=1e-15)
+
+
 def test_a_tangent_cam_has_straight_flanks():
     found = cam(outline=tangent_cam(), follower={"kind": "roller", "radius": "10 mm"})
     geometry = found.geometry(np.linspace(0.0, TURN, 721))

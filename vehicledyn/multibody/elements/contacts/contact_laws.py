@@ -34,7 +34,7 @@ from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Channel, Variable
 from vehicledyn.symbolic.ops import Scalar, Vec
 
-FORCE, TOUCHES, GAP = "normal_force", "touches", "gap"
+FORCE, TOUCHES, GAP, IMPACT = "normal_force", "touches", "gap", "impact_speed"
 _HOLDS = 200.0
 """Rate at which rounding of the gap of a rigid contact dies out [1/s]."""
 _UNIT_MASS = 1.0
@@ -263,9 +263,14 @@ class RigidContact(ContactPart):
         return (_Measured(f"{self.name}.constraint", self, self._gap),)
 
     def states(self) -> tuple[Variable, ...]:
-        """Return whether the bodies touch, 0 or 1, and the deflection of a contact that sticks."""
+        """Return whether the bodies touch, the speed of the last impact, and what friction has."""
         start = 1.0 if self.touching else 0.0
-        return (Variable(TOUCHES, "1", f"Whether {self.name} touches", start), *super().states())
+        words = f"Approach speed at the last impact of {self.name}"
+        return (
+            Variable(TOUCHES, "1", f"Whether {self.name} touches", start),
+            Variable(IMPACT, "m/s", words, 0.0),
+            *super().states(),
+        )
 
     def reactions(self) -> tuple[Variable, ...]:
         """Return the normal force."""
@@ -285,7 +290,11 @@ class RigidContact(ContactPart):
         return Loads(
             wrenches=self.friction_wrenches(situation, touch, pushes),
             joint_forces={self._gap: force},
-            rates={TOUCHES: ops.scalar(0.0), **self.friction_rates(situation, touch, pushes)},
+            rates={
+                TOUCHES: ops.scalar(0.0),
+                IMPACT: ops.scalar(0.0),
+                **self.friction_rates(situation, touch, pushes),
+            },
         )
 
     def outputs(self, situation: Situation) -> tuple[Output, ...]:
@@ -314,7 +323,7 @@ class RigidContact(ContactPart):
                 "hits",
                 ops.where(closed, 1.0, gap),
                 "falling",
-                resets={state: stays},
+                resets={state: stays, f"{self.name}.{IMPACT}": -rate},
                 impulses={self._gap: -(1.0 - stays) * self.restitution * rate},
             ),
         )
