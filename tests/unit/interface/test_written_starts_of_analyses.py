@@ -1,9 +1,13 @@
 """Start values written as expressions move what kinematics and linear analyses find."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 import vehicledyn as vd
+
+ROOT = Path(__file__).parents[3]
 
 CRANK = """\
 title: A four-bar whose rocker stands on a slide that a driven coordinate bears
@@ -143,3 +147,43 @@ def test_an_equilibrium_follows_what_is_held(tmp_path):
     sag = -2.0 * 9.81 / (4000.0 * 0.3)
     assert found["figure_value"].values == pytest.approx([sag], rel=1e-10)
     assert found["figure_slope"].values[0] == pytest.approx([-sag / 0.3, -sag / 4000.0], rel=1e-10)
+
+
+@pytest.fixture
+def aside(tmp_path):
+    """Return a scenario of a car whose place and heading on the road parameters write."""
+    text = (ROOT / "systems" / "small_car.yaml").read_text(encoding="utf-8")
+    head, _ = text.split("initial:")
+    head = head.replace("parameters:\n", "parameters:\n  a: {value: 0.05 rad}\n  b: {value: 3 m}\n")
+    (tmp_path / "car.yaml").write_text(
+        head + "initial: {chassis.z: body.height, chassis.yaw: 20 * a**2, chassis.y: a * b}\n",
+        encoding="utf-8",
+    )
+    path = tmp_path / "straight.yaml"
+    path.write_text(
+        "title: Straight\nmodel: car.yaml\nmanoeuvre: {kind: straight}\nwheel_spin: free\n"
+        "speed: 10 m/s\nduration: 50 ms\nsolver: {kind: rk4, step: 1 ms}\n"
+        "output: {interval: 10 ms}\n",
+        encoding="utf-8",
+    )
+    return path
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("kind", ["static", "steady"])
+def test_a_vehicle_in_balance_follows_where_it_is_written_to_stand(aside, kind):
+    """What no balance finds moves as written; what follows agrees with differences of runs."""
+    of = ["initial(chassis.yaw)", "initial(chassis.y)", "final(chassis.y)", "final(chassis.roll)"]
+
+    def figures(a, **more):
+        changed = {"parameters.a": f"{a!r} rad"}
+        return vd.sensitivity(aside, of, ["a", "b"], start=kind, set=changed, **more)
+
+    found = figures(0.05, along={"a": 1.0})
+    slopes, bends = found["figure_slope"].values, found["figure_curvature"].values
+    assert slopes[:2] == pytest.approx(np.array([[2.0, 0.0], [3.0, 0.05]]), rel=1e-9, abs=1e-12)
+    assert bends[:2] == pytest.approx(np.array([[40.0, 0.0], [0.0, 1.0]]), rel=1e-9, abs=1e-12)
+    low, high = (figures(0.05 + step) for step in (-1e-5, 1e-5))
+    for name, exact in (("figure_value", slopes[:, 0]), ("figure_slope", bends)):
+        differences = (high[name].values - low[name].values) / 2e-5
+        assert exact == pytest.approx(differences, rel=1e-6, abs=1e-7)

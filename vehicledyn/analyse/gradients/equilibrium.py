@@ -66,44 +66,46 @@ def start_slopes(
 
 
 @dataclass(frozen=True)
-class BalancedStart:
-    """A start in equilibrium, with ``others``, speeds that are given and stand in the balance.
+class GivenSlopes:
+    """Derivatives of the states that a start is given, each (n_states, n_directions).
 
-    ``follows`` says whether the balance is one of the given states that move.
+    ``moving`` are those of the start, ``still`` those of the state that is balanced before.
     """
+
+    moving: Matrix
+    still: Matrix
+
+
+@dataclass(frozen=True)
+class BalancedStart:
+    """A start in equilibrium, with ``others``, speeds that are given after the balance."""
 
     balance: Balance
     others: tuple[int, ...]
-    follows: bool
 
-    def slopes(self, code: TangentCode, by_parameter: Matrix, given: Matrix) -> Matrix:
-        """Return the derivatives of the start (n_states, n_directions), see start_slopes.
-
-        ``given`` are those of the states that are given.
-        """
-        moved = given if self.follows else np.zeros(given.shape)
-        found = start_slopes(code, self.balance, by_parameter, moved)
+    def slopes(self, code: TangentCode, by_parameter: Matrix, given: GivenSlopes) -> Matrix:
+        """Return the derivatives of the start (n_states, n_directions), see start_slopes."""
+        found = start_slopes(code, self.balance, by_parameter, given.still)
         others = list(self.others)
-        found[others] = given[others]
+        found[others] = given.moving[others]
         return found
 
-    def with_tangents(self, tangents: Matrix, direction: Vector, unknowns: int) -> BalancedStart:
+    def with_tangents(
+        self, tangents: Matrix, still: Matrix, direction: Vector, unknowns: int
+    ) -> BalancedStart:
         """Return the same of equations with their tangents, along a direction of the parameters.
 
-        ``tangents`` (n_states,) are those of the start, of which the given ones stand as well.
+        ``tangents`` (n_states,) are those of the start, ``still`` those of the state that is
+        balanced, of which the given ones count.
         """
         b, n = self.balance, len(tangents)
-        own = tangents.copy()
-        own[list(self.others)] = 0.0
-        if not self.follows:
-            held = np.setdiff1d(np.arange(n), b.pairs[0])
-            own[held] = 0.0
+        own = still.copy()
+        own[b.pairs[0]] = tangents[b.pairs[0]]
         point = np.concatenate([b.point[0], own]), np.pad(b.point[1], (0, unknowns))
         free, balanced = ([*part, *(k + n for k in part)] for part in b.pairs)
         parameters = np.concatenate([b.parameters, direction])
         balance = Balance(parameters, b.time, point, (free, balanced))
-        others = (*self.others, *(k + n for k in self.others))
-        return BalancedStart(balance, others, self.follows)
+        return BalancedStart(balance, (*self.others, *(k + n for k in self.others)))
 
 
 def rate_slopes(code: TangentCode, balance: Balance, by_parameter: Matrix) -> tuple[Matrix, Matrix]:

@@ -62,9 +62,9 @@ class WrittenStarts:
         """Return those of the start at rest, shape the same."""
         return self._taken(True)[:, None] * self._placed(self._slopes, parameters)
 
-    def bent(self, parameters: Floats, direction: Floats) -> Floats:
-        """Return how the first change along a direction of the parameters, shape the same."""
-        return self._taken(False)[:, None] * self._placed(self._bends, parameters, direction)
+    def bent(self, parameters: Floats, direction: Floats, *, is_still: bool = False) -> Floats:
+        """Return how the one or the other change along a direction of the parameters."""
+        return self._taken(is_still)[:, None] * self._placed(self._bends, parameters, direction)
 
     def given_rates(self) -> list[str]:
         """Return the dependent coordinates whose rates are given."""

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.analyse.gradients.adjoint import goes_back
 from vehicledyn.analyse.gradients.curvature import Curvature, CurvatureCode
+from vehicledyn.analyse.gradients.equilibrium import GivenSlopes
 from vehicledyn.analyse.gradients.key_figures import unit_of
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
@@ -74,14 +75,18 @@ class CurvatureStudy:
         tangents = study.start_slopes(chosen) + chosen.by_state
         moved_p, moved_x = chosen.by_parameter @ direction, tangents @ direction
         by_start = tangents
-        bent = study.written.bent(kernel.parameters, moved_p) @ chosen.by_parameter
-        balanced = study.balance()
+        bends, balanced = study.given_bends(chosen, moved_p), study.balance()
+        bent = bends.moving
         if balanced is not None:
             given = study.given_slopes(chosen)
             own = balanced.slopes(study.code, chosen.by_parameter, given) @ direction
-            doubled = balanced.with_tangents(own, moved_p, self.code.n_unknowns)
-            pads = [np.pad(item, ((0, len(item)), (0, 0))) for item in (chosen.by_parameter, given)]
-            both = doubled.slopes(self.code.code, *pads)
+            still = given.still @ direction
+            doubled = balanced.with_tangents(own, still, moved_p, self.code.n_unknowns)
+            by_both = np.pad(chosen.by_parameter, ((0, len(chosen.by_parameter)), (0, 0)))
+            given_both = GivenSlopes(
+                np.vstack([given.moving, bends.moving]), np.vstack([given.still, bends.still])
+            )
+            both = doubled.slopes(self.code.code, by_both, given_both)
             bent = both[len(tangents) :]
         found = []
         for place, (kind, _) in enumerate(self.figures):

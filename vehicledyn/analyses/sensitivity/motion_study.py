@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyse.gradients.adjoint import FigureAdjoint
-from vehicledyn.analyse.gradients.equilibrium import Balance, BalancedStart
+from vehicledyn.analyse.gradients.equilibrium import Balance, BalancedStart, GivenSlopes
 from vehicledyn.analyse.gradients.key_figures import (
     FigureSlope,
     figure_slope,
@@ -278,7 +278,7 @@ class MotionStudy:
         """Return how the start follows the parameters."""
         given, balanced = self.given_slopes(chosen), self.balance()
         if balanced is None:
-            found = given
+            found = given.moving
         else:
             found = balanced.slopes(self.code, chosen.by_parameter, given)
         begun = self.written.applied(self.prepared)
@@ -298,15 +298,16 @@ class MotionStudy:
         pairs = subject.balance_pairs(e, balanced_speed)
         if kind == "static":
             others = [k for k in e.speeds if k not in pairs[0]]
-            state[others] = subject.still_state(e)[others]
+            begun = self.written.applied(self.prepared)
+            state[others] = subject.still_state(begun.equations)[others]
         set_speed(self.prepared, balanced_speed)
         parameters = kernel.parameters
         kernel.set_parameters(held)
         point = (state, self.start.unknowns)
         balance = Balance(parameters, subject.balance_time, point, pairs)
-        return BalancedStart(balance, tuple(others), follows=kind == "steady")
+        return BalancedStart(balance, tuple(others))
 
-    def given_slopes(self, chosen: Directions) -> Floats:
+    def given_slopes(self, chosen: Directions) -> GivenSlopes:
         """Return how the given states follow the speed, in which they are linear, and others."""
         subject, e = self.prepared.subject, self.prepared.equations
         speed = self.loaded.scenario.speed or 0.0
@@ -316,7 +317,23 @@ class MotionStudy:
         if "speed" in names and "speed" in subject.parameters_at(speed or 1.0):
             faster = subject.start_state(e, speed + 1.0) - subject.start_state(e, speed)
             slopes += np.outer(faster, chosen.by_parameter[names.index("speed")])
-        return slopes
+        if not self.is_static:
+            return GivenSlopes(slopes, slopes)
+        return GivenSlopes(slopes, self.written.still(parameters) @ chosen.by_parameter)
+
+    def given_bends(self, chosen: Directions, direction: Floats) -> GivenSlopes:
+        """Return how these change along a direction of the parameters."""
+        parameters, written = self.prepared.kernel.parameters, self.written
+        moving = written.bent(parameters, direction) @ chosen.by_parameter
+        if not self.is_static:
+            return GivenSlopes(moving, moving)
+        still = written.bent(parameters, direction, is_still=True)
+        return GivenSlopes(moving, still @ chosen.by_parameter)
+
+    @property
+    def is_static(self) -> bool:
+        """Whether the start is balanced at rest before it is given its velocities."""
+        return (self.loaded.scenario.start or self.prepared.subject.usual_start) == "static"
 
     def run_figures(self, motion: MotionSlopes) -> dict[str, tuple[FigureSlope, Quantity]]:
         """Return the key figures of the run with their derivatives."""
