@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import numpy as np
 
+from vehicledyn.base.argument_names import argument
+from vehicledyn.base.errors import InputError
 from vehicledyn.integrate.events import EventWatch
 from vehicledyn.kernel.engine import March, Vector
 
@@ -65,11 +68,32 @@ def history_of(march: March, watch: EventWatch) -> Vector:
     return np.concatenate([[march.step], *(np.asarray(part, dtype=float) for part in parts)])
 
 
-def go_on_from(history: Vector, march: March, watch: EventWatch) -> None:
-    """Set a run with fixed steps to where its history was noted."""
-    march.step = int(history[0])
-    place = 1
-    for part in (march.state, march.unknowns, march.memory, march.sides):
-        part[:] = history[place : place + part.size]
-        place += part.size
-    watch.recall(history[place:])
+@contextmanager
+def reading_history() -> Iterator[None]:
+    """Refuse numbers that are no history of this run, as a file that was changed may have them."""
+    try:
+        yield
+    except (ValueError, IndexError, KeyError, OverflowError) as error:
+        raise InputError(
+            f"what the run has noted to go on from does not belong to it: run without "
+            f"{argument('restart')}"
+        ) from error
+
+
+def go_on_from(history: Vector, march: March, watch: EventWatch, first: int, last: int) -> None:
+    """Set a run with fixed steps to where its history was noted, between steps first and last.
+
+    Raises
+    ------
+    InputError
+        If the history is not that of such a run.
+    """
+    with reading_history():
+        step, place = int(history[0]), 1
+        if not first <= step <= last:
+            raise ValueError(f"step {step} is not between {first} and {last}")
+        for part in (march.state, march.unknowns, march.memory, march.sides):
+            part[:] = history[place : place + part.size]
+            place += part.size
+        watch.recall(history[place:])
+    march.step = step

@@ -68,9 +68,9 @@ def run_fixed(task: Task, name: str, method: int, step: float | None) -> Statist
         sides=task.watch.sides,
     )
     if task.beginning is not None:
-        march.step = (task.delivered - 1) * per_interval
+        march.step = first = (task.delivered - 1) * per_interval
         if task.beginning.history is not None:
-            go_on_from(task.beginning.history, march, task.watch)
+            go_on_from(task.beginning.history, march, task.watch, first, first + per_interval)
     size, remaining = _FIRST_CHUNK, task.n_intervals * per_interval - march.step
     rows = task.rows(task.n_intervals + 1)
     actual = task.interval / per_interval

@@ -3,6 +3,7 @@
 import shutil
 import subprocess
 import sys
+import zlib
 from pathlib import Path
 
 import h5py
@@ -149,6 +150,57 @@ def test_histories_of_former_files_are_left_alone(tmp_path, text):
     outcome = run(tmp_path, text, "second.h5", restart="first.h5")
     assert "to the accuracy of the method" in " ".join(outcome.messages)
     assert_same(tmp_path / "whole.h5", tmp_path / "second.h5", tolerance=1e-3)
+
+
+def _without_last(numbers):
+    return numbers[:-1]
+
+
+def _without_any(numbers):
+    return numbers[:0]
+
+
+def _ahead(numbers):
+    return np.concatenate([[1e6], numbers[1:]])
+
+
+def _doubled(numbers):
+    return np.concatenate([numbers, numbers])
+
+
+def _infinite(numbers):
+    return np.full_like(numbers, np.inf)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("text", "spoil"),
+    [
+        (PLAIN, _without_last),
+        (PLAIN, _ahead),
+        (LOOPED, _doubled),
+        (LOOPED, _without_any),
+        (STIFF, _without_last),
+        (STIFF, _ahead),
+        (HANGING, _without_any),
+        (HANGING, _infinite),
+    ],
+)
+def test_a_history_of_something_else_is_refused(tmp_path, text, spoil):
+    """A file with other numbers and the right checksum, which damage would not have."""
+    run(tmp_path, text, "first.h5", "duration=0.36 s")
+    with h5py.File(tmp_path / "first.h5", "r+") as file:
+        rows = file["restart/history"]
+        noted = [(k, row) for k, row in enumerate(rows[()]) if np.isfinite(row[0])]
+        for k, row in noted:
+            numbers = spoil(row[4 : 4 + int(row[1])])[: rows.shape[1] - 4]
+            row[1] = len(numbers)
+            row[4:] = np.nan
+            row[4 : 4 + len(numbers)] = numbers
+            rows[k] = row
+            file["restart/crc"][k] = zlib.crc32(row.data)
+    with pytest.raises(InputError, match="does not belong to it: run without"):
+        run(tmp_path, text, "second.h5", "duration=0.72 s", restart="first.h5")
 
 
 @pytest.mark.parametrize("interval", ["9 ms", "100 ms", "450 ms"])

@@ -17,6 +17,7 @@ from vehicledyn.integrate.casadi_integrators.calls import (
     elapsed_equations,
     stopped_between,
 )
+from vehicledyn.integrate.course import reading_history
 from vehicledyn.integrate.implicit import implicit_equations
 from vehicledyn.integrate.task import SampleBuffer, Statistics, Task
 from vehicledyn.kernel.engine import Vector
@@ -46,8 +47,10 @@ def run_casadi(
     integrators = _Integrators(task, plugin, options)
     state, unknowns, index = task.state, task.unknowns, max(0, task.delivered - 1)
     if task.beginning is not None and task.beginning.history is not None:
-        index = int(task.beginning.history[0])
-        state, unknowns = np.split(task.beginning.history[1:], [state.size])
+        with reading_history():
+            index = range(task.n_intervals + 1)[int(task.beginning.history[0])]
+            numbers = task.beginning.history[1:].reshape(state.size + unknowns.size)
+            state, unknowns = np.split(numbers, [state.size])
     try:
         while index < task.n_intervals:
             size = min(chunk, task.n_intervals - index)

@@ -24,7 +24,7 @@ from vehicledyn.analyses.simulation.partitions.singularity_crossing import Sampl
 from vehicledyn.analyses.simulation.run_plan import Point, RunPlan
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.integrate.accuracy.watched_run import DivergenceError
-from vehicledyn.integrate.course import Carried, Course
+from vehicledyn.integrate.course import Carried, Course, reading_history
 from vehicledyn.integrate.task import Statistics, joined
 from vehicledyn.kernel.kernel import Kernel
 
@@ -65,7 +65,10 @@ class ProjectedRun:
 
     def go_on(self, history: Vector, n_states: int, n_unknowns: int) -> Statistics:
         """Run to the end from what was noted where a piece began."""
-        state, unknowns, numbers = np.split(history, [n_states, n_states + n_unknowns])
+        with reading_history():
+            state, unknowns, numbers = np.split(history, [n_states, n_states + n_unknowns])
+            if len(history) < n_states + n_unknowns or not np.isfinite(history).all():
+                raise ValueError("too few numbers, or not finite")
         self._carried.numbers = numbers if len(numbers) else None
         return self.go(state, unknowns, skip=True)
 

@@ -15,7 +15,7 @@ from vehicledyn.analyses.simulation.partitions.partition_changes import Partitio
 from vehicledyn.analyses.simulation.partitions.rederived import Origin, names_at_origin
 from vehicledyn.analyses.simulation.partitions.singularity_crossing import Sample
 from vehicledyn.analyses.simulation.partitions.singularity_monitor import PivotLog
-from vehicledyn.integrate.course import Beginning, Course
+from vehicledyn.integrate.course import Beginning, Course, reading_history
 from vehicledyn.symbolic.equations import Equations
 
 Vector = NDArray[np.float64]
@@ -131,7 +131,17 @@ class RunNotes:
         return list(self.changes.origins).index(best)
 
     def recall(self, beginning: Beginning, history: Vector) -> Recalled:
-        """Put the changes and the pivots of a run where they were noted; return what follows."""
+        """Put the changes and the pivots of a run where they were noted; return what follows.
+
+        Raises
+        ------
+        InputError
+            If the numbers are not notes of this run.
+        """
+        with reading_history():
+            return self._recall(beginning, history)
+
+    def _recall(self, beginning: Beginning, history: Vector) -> Recalled:
         self._replay(np.zeros(0) if beginning.kept is None else beginning.kept)
         changes, number = self.changes, int(history[0])
         changes.choices = dict(self._rows)
@@ -144,6 +154,8 @@ class RunNotes:
             changes.kernel = changes.with_dependent(list(changes.origins)[number])
         e = changes.kernel.equations
         lengths = [n_pivots, len(e.states), len(e.unknowns), len(e.channels)]
+        if min(lengths) < 0 or sum(lengths) > len(history) - 7:
+            raise ValueError("too few numbers")
         pivots, *parts, method_numbers = np.split(history[7:], np.cumsum(lengths))
         sample = Sample(beginning.time, *(part.copy() for part in parts))
         self.log.recall(sample, pivots)
