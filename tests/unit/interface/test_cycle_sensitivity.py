@@ -145,6 +145,27 @@ def test_a_wheel_swings_by_its_scale(tmp_path):
     assert by["speed"] == 0.0
 
 
+STAND = WHEEL.replace("scale: 1 rad", "scale: 1 rad\n  offset: 0.2 m").replace(
+    "forces:", "  stand: {joints: [T1 place], mass: 1 kg}\ninitial: {START}\nforces:"
+)
+
+
+def test_what_a_cycle_does_not_move_follows_where_it_is_written_to_stand(tmp_path):
+    path = tmp_path / "wheel.yaml"
+    path.write_text(STAND.replace("START", "stand.place: offset * speed / (1 m/s)"), "utf-8")
+    found = vd.sensitivity(path, "cycle_mean(stand.place)", ["offset", "speed"])
+    assert found["figure_value"].values == pytest.approx([0.38] * 2, rel=1e-12)
+    assert found["figure_slope"].values == pytest.approx(np.array([[1.9, 0.2]] * 2), rel=1e-12)
+
+
+def test_a_channel_without_period_is_refused(tmp_path):
+    """A stand that goes on was shown where it starts, with derivatives of zero."""
+    path = tmp_path / "wheel.yaml"
+    path.write_text(STAND.replace("START", "stand.place_rate: offset / (1 s)"), "utf-8")
+    with pytest.raises(InputError, match=r"'stand.place' has no period"):
+        vd.sensitivity(path, ["cycle_mean(stand.place)"], ["offset"])
+
+
 DIMENSIONS = {"kg": (0, 1, 0), "m": (1, 0, 0), "s": (0, 0, 1), "N": (1, 1, -2), "Hz": (0, 0, -1)}
 
 

@@ -32,6 +32,12 @@ from vehicledyn.symbolic import ops
 
 _ITERATIONS, _SETTLED = 12, 1e-13
 
+_LOOKS, _PART = 16, 0.37
+"""Points of a cycle at which channels are looked at for what goes on, and parts of the period for
+which it goes on there."""
+_MOST = 1e-7
+"""Change of a channel then, part of its size, that rounding makes."""
+
 
 @dataclass(frozen=True)
 class OrbitSlopes:
@@ -71,10 +77,16 @@ class ParameterSlopes:
         Indices of the parameters.
     channels
         Indices of the channels.
+    held
+        Derivatives (n_states, n_parameters) of the start, at which states set apart stay.
     """
 
     def __init__(
-        self, field: AutonomousField, which: Sequence[int], channels: Sequence[int] = ()
+        self,
+        field: AutonomousField,
+        which: Sequence[int],
+        channels: Sequence[int] = (),
+        held: Vector | None = None,
     ) -> None:
         import casadi
 
@@ -88,11 +100,41 @@ class ParameterSlopes:
         ]
         self._rates = casadi.Function("rates", given, _dense(whole))
         apart = [k for k in range(len(e.states)) if k not in field.kept]
+        none = np.zeros((len(e.states), len(field.values)))
+        self._held = (none if held is None else held)[np.ix_(apart, self.which)]
         fixed: Any = [casadi.SX(0.0), casadi.SX(field.full(np.zeros(field.size))[apart])]
-        taken = e.output[list(channels)]
-        output = casadi.substitute([taken], [e.time, e.state[apart]], fixed)[0]
-        shown = [output, *(ops.jacobian(output, by) for by in (state, e.algebraic, chosen))]
+        taken = self._taken = e.output[list(channels)]
+        by_all = (state, e.algebraic, chosen, e.state[apart])
+        shown = [taken, *(ops.jacobian(taken, by) for by in by_all)]
+        shown = casadi.substitute(shown, [e.time, e.state[apart]], fixed)
         self._channels = casadi.Function("channels", given, _dense(shown))
+
+    def going_on(self, orbit: Orbit) -> list[int]:
+        """Return the channels, by their number among those asked for, that an orbit does not close.
+
+        They follow time, or states set apart that move.
+        """
+        import casadi
+
+        field, e = self.field, self.field.equations
+        apart = [k for k in range(len(e.states)) if k not in field.kept]
+        if not casadi.depends_on(self._taken, casadi.vertcat(e.time, e.state[apart])):
+            return []
+        given = [e.time, e.state, e.algebraic, e.parameter]
+        seen = casadi.Function("seen", given, [self._taken, e.rate])
+        states, unknowns = orbit.sample(np.arange(_LOOKS) / _LOOKS)
+        unknowns = unknowns - field.evaluate(states, unknowns, orbit.parameter).gap
+        parameters, duration = field.parameters(orbit.parameter), _PART * orbit.period
+        ends = []
+        for state, own in zip(field.full(states), unknowns, strict=True):
+            begin, rates = seen(0.0, state, own, parameters)
+            moved = state.copy()
+            moved[apart] += duration * rates.full()[apart, 0]
+            ends.append((begin.full(), seen(duration, moved, own, parameters)[0].full()))
+        values = np.array(ends)[..., 0]
+        size = np.abs(values).max(axis=(0, 1))
+        change = np.abs(values[:, 1] - values[:, 0]).max(axis=0)
+        return [int(k) for k in np.flatnonzero(change > _MOST * size)]
 
     def rates(self, states: Vector, unknowns: Vector, value: float) -> tuple[Vector, Vector]:
         """Return derivatives of rates (n_points, n_kept, n) and unknowns (n_points, n_unknowns, n).
@@ -114,12 +156,14 @@ class ParameterSlopes:
             unknowns = unknowns - found.gap
             found = self.field.evaluate(states, unknowns, value)
         _, by = self.rates(states, unknowns, value)
-        shown, by_state, by_unknown, direct = self._at(self._channels, states, unknowns, value)
+        shown, by_state, by_unknown, direct, by_apart = self._at(
+            self._channels, states, unknowns, value
+        )
         return ChannelValues(
             unknowns,
             shown[:, :, 0],
             by_state - by_unknown @ found.follow,
-            direct + by_unknown @ by,
+            direct + by_unknown @ by + by_apart @ self._held,
         )
 
     def _at(self, function: Any, states: Vector, unknowns: Vector, value: float) -> list[Vector]:

@@ -18,10 +18,12 @@ from vehicledyn.analyse.periodic.orbit import Orbit
 from vehicledyn.analyse.periodic.orbit_slopes import OrbitSlopes, ParameterSlopes, orbit_slopes
 from vehicledyn.analyse.settling.cached_types import CYCLE_KINDS
 from vehicledyn.analyses.hunting.critical_values import lowest_stable
+from vehicledyn.analyses.hunting.parameter_starts import ParameterStarts
 from vehicledyn.analyses.hunting.refusals import check_subject
-from vehicledyn.analyses.hunting.start import SPEED, HuntSettings
+from vehicledyn.analyses.hunting.start import SPEED, HuntSettings, balanced_point
 from vehicledyn.analyses.hunting.study import Study
 from vehicledyn.analyses.hunting.undisturbed import without_disturbances
+from vehicledyn.analyses.linear.written_starts import WrittenStarts
 from vehicledyn.analyses.preparation.own_speed import own_speed
 from vehicledyn.analyses.preparation.prepare import prepare
 from vehicledyn.analyses.preparation.prepared import Progress
@@ -184,8 +186,14 @@ class _Cycles:
         self.notes += study.messages
         cycles.sort(key=lambda point: float(np.abs(np.ptp(point.orbit.states, axis=0)).sum()))
         channels = sorted({item.channel for item in asked if item.channel is not None})
-        slopes = ParameterSlopes(study.model, which, channels)
+        slopes = ParameterSlopes(study.model, which, channels, self._held(value))
         e = study.prepared.equations
+        for place in slopes.going_on(cycles[0].orbit):
+            raise InputError(
+                f"'{e.channels[channels[place]].name}' has no period: it follows time or a state "
+                "that no rate depends on and that the limit cycle does not repeat, such as a way "
+                "travelled; ask for its rate or for another channel"
+            )
         for number, cycle in enumerate(cycles, 1):
             self.progress(f"differentiating limit cycle {number} of {len(cycles)}", None)
             figures = self._settled(cycle, slopes)
@@ -202,6 +210,19 @@ class _Cycles:
                 what = CYCLE_WORDS[item.kind].format(channel.name)
                 own = figures.of_channel(item.kind, channels.index(item.channel))
                 yield Quantity(label, channel.unit, f"{what} {words}"), *own
+
+    def _held(self, value: float) -> Floats:
+        """Let states that no rate depends on stand where they start at a speed; return its slopes.
+
+        Their derivatives by all parameters, shape (n_states, n_parameters).
+        """
+        prepared, model = self.study.prepared, self.study.model
+        written, parameters = WrittenStarts(prepared, value), model.parameters(value)
+        if set(written.states).difference(model.kept):
+            begun = ParameterStarts(prepared, self.target, SPEED).at(value)
+            begun.kernel.set_parameters(parameters)
+            model.reduced(balanced_point(begun, SPEED, value, self.target.choices, model).state)
+        return written.slopes(parameters)
 
     def nonlinear_critical(self, which: Sequence[int]) -> tuple[Quantity, float, Floats]:
         """Return the lowest speed with a stable cycle, where that is a fold, and its slopes."""
