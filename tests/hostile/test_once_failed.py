@@ -229,6 +229,19 @@ def test_tables_that_do_not_fit_together(name, change, words, verb):
     assert words in outcome.text
 
 
+FORMULA = "$x^2_{$"
+
+
+def test_dollars_in_pictures_begin_no_formula():
+    def named(file):
+        file.attrs["title"] = file["case_1"].attrs["setting"] = FORMULA
+
+    whole = {"modes.h5": changed("modes.h5", named)}
+    for verb in ("plot", "report"):
+        outcome = run(Case("modes", whole, [verb, "modes.h5"]))
+        assert outcome.code == 0, outcome.text
+
+
 def test_amplitudes_beyond_all_flanges():
     command = ["profiles", "s1002", "60E1", "--amplitude", "1e308"]
     refused(Case("amplitude", {}, command), "an amplitude of 1e+308 mm: at most 100 mm")

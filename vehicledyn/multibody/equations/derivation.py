@@ -119,7 +119,8 @@ def solve_motion(
 ) -> Derivation:
     """Return a checked system solved for its accelerations, see :func:`derive`.
 
-    With ``apart`` symbols stand for what its surroundings hand over.
+    With ``apart`` symbols stand for what its surroundings hand over, but not with multipliers,
+    whose states surroundings see only after they are put onto the constraints.
     """
     system.check()
     check_bodies(system)
@@ -142,7 +143,8 @@ def solve_motion(
         start = np.array([loops.start[j.name] for j in symbols.joints])
         refuse_idle(system, resistance.anywhere(0.0, start))
     handed = Handed()
-    motion = _motion(system, symbols, roles, loops, handed if apart else None)
+    is_apart = apart and multipliers is None
+    motion = _motion(system, symbols, roles, loops, handed if is_apart else None)
     if multipliers is None:
         solved = _dynamics(system, symbols, roles, loops.closure, motion, formulation=formulation)
     else:

@@ -114,7 +114,6 @@ def paint(figure: Figure, scene: AnimatedScene, time: float, view: str) -> None:
         )
     )
     text: dict[str, Any] = {"transform": axes.transAxes, "color": _INK, "va": "top"}
-    text["parse_math"] = False
     title = wrap(scene.title, _TITLE_WIDTH)
     axes.text(0.02, 0.965, "\n".join(title), fontsize=11, weight="bold", **text)
     state = "" if scene.is_whole else f" · {scene.state}"
@@ -135,7 +134,7 @@ def _draw_scale(figure: Figure, words: str) -> None:
         cmap=LinearSegmentedColormap.from_list("levels", RAMP),
     )
     axes.set_axis_off()
-    axes.set_title(words, fontsize=8.5, color=_INK, parse_math=False)
+    axes.set_title(words, fontsize=8.5, color=_INK)
 
 
 def _ground(scene: AnimatedScene, target: Array, extent: float) -> Iterator[Array]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from vehicledyn.results.plots.figures import new_figure
 from vehicledyn.results.plots.plot_style import PALETTE, axis_label, plain
+from vehicledyn.results.plots.scales import decade_ticks
 from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.results.tables.manoeuvre_table import ManoeuvreTable
 
@@ -79,6 +80,7 @@ def _convergence(table: ManoeuvreTable) -> Figure:
     steps = np.arange(1, len(table.history) + 1)
     upper.plot(steps, table.history[:, 0], color=PALETTE[0])
     lower.semilogy(steps, np.maximum(table.history[:, 1], 1e-16), color=PALETTE[1])
+    decade_ticks(lower.yaxis)
     upper.set_ylabel(axis_label("Objective", "1"))
     lower.set_ylabel(axis_label("Violation", "1"))
     lower.set_xlabel(axis_label("Iteration", "1"))

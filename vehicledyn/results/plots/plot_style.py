@@ -36,20 +36,20 @@ STYLE: dict[str, Any] = {
     "lines.linewidth": 1.4,
     "savefig.dpi": 150.0,
     "svg.hashsalt": "vehicledyn",
+    "text.parse_math": False,  # a dollar in a name or a title begins no formula
 }
 
-_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def plain(text: str, most: int = LONGEST_TEXT) -> str:
-    r"""Return a text of a file for a picture: cut if it is long, its dollars no formulas.
+    """Return a text of a file for a picture: cut if it is long.
 
-    >>> plain("costs $5")
-    'costs \\$5'
+    >>> plain("a long description", most=7)
+    'a long…'
     """
     known = text.encode("utf-8", "replace").decode("utf-8")
-    shown = known if len(known) <= most else f"{known[: most - 1]}…"
-    return shown.replace("$", r"\$")
+    return known if len(known) <= most else f"{known[: most - 1]}…"
 
 
 def in_words(name: str, description: str) -> str:
@@ -71,5 +71,5 @@ def axis_label(quantity: str, unit: str) -> str:
     shown = head
     for power in powers:
         digits = power[: len(power) - len(power.lstrip("-0123456789"))]
-        shown += digits.translate(_SUPERSCRIPTS) + power[len(digits) :]
+        shown += digits.translate(SUPERSCRIPTS) + power[len(digits) :]
     return plain(f"{quantity} [{'–' if unit in ('', '1') else shown}]")

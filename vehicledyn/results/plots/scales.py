@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+from vehicledyn.results.plots.plot_style import SUPERSCRIPTS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -82,6 +85,28 @@ def plain_ticks(axis: Axis) -> None:
         axis.set_minor_locator(NullLocator())
     axis.set_major_formatter(FuncFormatter(_as_number))
     axis.set_minor_formatter(FuncFormatter(lambda value, place: ""))
+
+
+def decade_ticks(axis: Axis) -> None:
+    """Write ticks of a logarithmic axis as powers of ten in plain text."""
+    from matplotlib.ticker import LogFormatterSciNotation
+
+    class Plain(LogFormatterSciNotation):
+        def __call__(self, x: float, pos: int | None = None) -> str:
+            return without_formula(super().__call__(x, pos))
+
+    axis.set_major_formatter(Plain())
+    axis.set_minor_formatter(Plain())
+
+
+def without_formula(text: str) -> str:
+    r"""Return the text of a tick that matplotlib writes as a formula.
+
+    >>> without_formula(r"$\mathdefault{2\times10^{-3}}$"), without_formula("")
+    ('2×10⁻³', '')
+    """
+    plain = text.removeprefix(r"$\mathdefault{").removesuffix("}$").replace(r"\times", "×")
+    return re.sub(r"\^\{(.*?)\}", lambda power: power[1].translate(SUPERSCRIPTS), plain)
 
 
 def _as_number(value: float, place: float | None = None) -> str:

@@ -62,8 +62,8 @@ def _title(figure: Figure) -> str:
 
 
 def _clean(text: str) -> str:
-    """Return the text of a picture on one line, without its escapes."""
-    return " ".join(text.split()).replace(r"\$", "$")
+    """Return the text of a picture on one line."""
+    return " ".join(text.split())
 
 
 def _across(axes: Axes, shown: Iterable[Axes]) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 
 from vehicledyn.results.plots.figures import new_figure
 from vehicledyn.results.plots.plot_style import LINE_STYLES, PALETTE, axis_label, plain
-from vehicledyn.results.plots.scales import in_decades
+from vehicledyn.results.plots.scales import decade_ticks, in_decades
 from vehicledyn.results.tables.response_table import ResponseTable, ratio_unit
 
 if TYPE_CHECKING:
@@ -45,12 +45,14 @@ def _figure(table: ResponseTable, output: int, inputs: list[int]) -> Figure:
     target, unit = table.outputs[output], table.inputs[inputs[0]].unit
     if np.isfinite(magnitudes[:, inputs, output]).any() and magnitudes[:, inputs, output].any():
         upper.set_yscale("log")
+        decade_ticks(upper.yaxis)
     first, last = (float(table.frequency[k]) if len(table.frequency) else 0.0 for k in (0, -1))
     if abs(last - first) > 1e-9 * max(abs(first), abs(last)):
         upper.set_xlim(first, last)
         steps = np.diff(table.frequency)
         if not np.allclose(steps, steps[0]):
             upper.set_xscale("log")
+            decade_ticks(upper.xaxis)
     upper.set_ylabel(axis_label("Magnitude", ratio_unit(target.unit, unit)))
     lower.set_ylabel(axis_label("Phase", "deg"))
     lower.set_xlabel(axis_label("Frequency", "Hz"))
