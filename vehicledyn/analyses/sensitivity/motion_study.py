@@ -38,6 +38,7 @@ from vehicledyn.base.step_memory import Memory
 from vehicledyn.base.units import shown
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.integrate.accuracy.proposed_step import proposed_step
+from vehicledyn.integrate.channel_ranges import Ranges
 from vehicledyn.integrate.fixed_step import steps_per_interval
 from vehicledyn.kernel.engine import Method
 from vehicledyn.kernel.tangent_code import Grid, TangentCode
@@ -138,11 +139,12 @@ class MotionStudy:
         For scenarios whose own method has no derivatives and keeps to a tolerance instead.
         """
         study, values = self, self.plain(progress).values
+        ranges = Ranges.of(self.prepared.equations, self.channels)
         for _ in range(_MOST_HALVINGS):
             progress("choosing the steps to follow", None)
             finer = replace(study.grid, per_interval=2 * study.grid.per_interval)
             found = replace(study, grid=finer).plain(progress).values
-            missed = _missed(values, found)
+            missed = _missed(ranges, values, found)
             if missed <= _AS_GOOD:
                 break
             study, values = replace(study, grid=finer), found
@@ -400,11 +402,15 @@ def _grid(
     return Grid(int(method), 0.0, interval, per_interval), n_intervals
 
 
-def _missed(coarse: Floats, fine: Floats) -> float:
-    """Return the largest difference of channels, as a part of each one's range."""
+def _missed(ranges: Ranges, coarse: Floats, fine: Floats) -> float:
+    """Return the largest difference of channels, as a part of each one's range.
+
+    Errors of constraints and the like count as little as what rounding makes of a zero.
+    """
     if coarse.shape != fine.shape:
         return math.inf
     spans = np.ptp(fine, axis=0)
     sizes = np.maximum(spans, 1e-9 * np.max(np.abs(fine), axis=0, initial=0.0))
-    differences = np.max(np.abs(coarse - fine), axis=0, initial=0.0)[sizes > 0.0]
-    return float(np.max(differences / sizes[sizes > 0.0], initial=0.0))
+    sizes = np.where(ranges.matters, np.maximum(sizes, ranges.noise), math.inf)
+    differences = np.max(np.abs(coarse - fine), axis=0, initial=0.0)
+    return float(np.max(differences / sizes, initial=0.0))
