@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.symbolic import ops
+from vehicledyn.symbolic.run_time_numbers import RunTimeNumbers
 from vehicledyn.symbolic.tables import Array, CurveTable
 
 
@@ -99,15 +100,22 @@ class BicubicGrid:
         across = _sum(_slopes_of_weights(share), heights)
         return _sum(_weights(share), along) * into_x, across * into_y
 
+    @cached_property
+    def _sizes(self) -> RunTimeNumbers:
+        """First places, step and counts, which compiled code looks up."""
+        count, wide = self.values.shape
+        return RunTimeNumbers(
+            f"{self.name}: sizes", [self.x, self.y, self.step, count, count - 1, wide - 1]
+        )
+
     def _place(self, x: Any, y: Any) -> tuple[Any, list[Any], Any, Any, Any]:
         """Return place along, the four lines beside it, share across, rates by x and y."""
-        count, wide = self.values.shape
-        along, in_x = _held((x - self.x) / self.step, float(count - 1))
-        across, in_y = _held((y - self.y) / self.step, float(wide - 1))
+        first_x, first_y, step, count, end, last = self._sizes.at(x, y)
+        along, in_x = _held((x - first_x) / step, end)
+        across, in_y = _held((y - first_y) / step, last)
         number = self._numbers.value(across)
-        last = float(wide - 1)
-        lines = [ops.minimum(ops.maximum(number + n, 0.0), last) * float(count) for n in _BESIDE]
-        return along, lines, across - number, in_x / self.step, in_y / self.step
+        lines = [ops.minimum(ops.maximum(number + n, 0.0), last) * count for n in _BESIDE]
+        return along, lines, across - number, in_x / step, in_y / step
 
     def _four(self, found: list[Any], lines: list[Any]) -> list[Any]:
         """Return four values across; beyond the outermost line the curve goes on straight."""
@@ -120,7 +128,7 @@ class BicubicGrid:
 _BESIDE = (-1.0, 0.0, 1.0, 2.0)
 
 
-def _held(place: Any, last: float) -> tuple[Any, Any]:
+def _held(place: Any, last: Any) -> tuple[Any, Any]:
     """Return a place kept on the grid, and its rate: 1 inside, 0 outside."""
     inside = ops.where(ops.logic_and(place >= 0.0, place < last), 1.0, 0.0)
     return ops.minimum(ops.maximum(place, 0.0), last), inside

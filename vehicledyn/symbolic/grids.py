@@ -10,6 +10,7 @@ import numpy as np
 
 from vehicledyn.base.numbers.shape_preserving import level_slopes
 from vehicledyn.symbolic import ops
+from vehicledyn.symbolic.run_time_numbers import RunTimeNumbers
 from vehicledyn.symbolic.tables import Array, CurveTable
 
 
@@ -21,6 +22,20 @@ class _Cell(NamedTuple):
     width: Any
     before: Any
     after: Any
+
+
+class _Sizes(NamedTuple):
+    """What differs between grids: along them, across them, and their edges to either side."""
+
+    start: Any
+    step: Any
+    last: Any
+    count: Any
+    right: Any
+    left: Any
+    width: Any
+    radius: Any
+    most: Any
 
 
 class _Kink(NamedTuple):
@@ -107,66 +122,82 @@ class GridTable:
         rows = np.column_stack([numbers, np.zeros_like(numbers)])
         return CurveTable(f"{self.name}: sections", float(v[0]), step, rows)
 
+    @cached_property
+    def _numbers(self) -> RunTimeNumbers:
+        """The sizes, which compiled code looks up."""
+        places, count = self._sections[0], float(len(self.values))
+        width = float(places[-1] - places[0]) / (len(places) - 1)
+        radius = self._radius if self.rounding else 0.0
+        edges = float(places[0]), float(places[-1])
+        sizes = _Sizes(
+            self.start, self.step, count - 1.0, count, *edges, width, radius, len(places) - 1.0
+        )
+        return RunTimeNumbers(f"{self.name}: sizes", sizes)
+
+    def _sizes(self, u: Any, v: Any) -> _Sizes:
+        """Return the sizes, as numbers where both places are numbers."""
+        return _Sizes(*self._numbers.at(u, v))
+
     def value(self, u: Any, v: Any) -> Any:
         """Return the height at a place."""
-        place, _ = self._along(u)
-        cell, share, _ = self._across_at(v)
-        low, high = (self._value(place, column) for column in (cell.column, cell.column + 1.0))
+        sizes = self._sizes(u, v)
+        place, _ = self._along(u, sizes)
+        cell, share, _ = self._across_at(v, sizes)
+        both = cell.column, cell.column + 1.0
+        low, high = (self._value(place, column, sizes) for column in both)
         found = low + share * (high - low)
         if not self.rounding:
             return found
-        near = self._kink(v, cell)
-        bend = self._bend(near, cell, low, high, self._value(place, near.column))
-        return found + bend * near.rest * near.rest / (4.0 * self._radius)
+        near = self._kink(v, cell, sizes)
+        bend = self._bend(near, cell, low, high, self._value(place, near.column, sizes))
+        return found + bend * near.rest * near.rest / (4.0 * sizes.radius)
 
     def slopes(self, u: Any, v: Any) -> tuple[Any, Any]:
         """Return the slopes along u and v."""
-        place, into_u = self._along(u)
-        cell, share, into_v = self._across_at(v)
+        sizes = self._sizes(u, v)
+        place, into_u = self._along(u, sizes)
+        cell, share, into_v = self._across_at(v, sizes)
         both = cell.column, cell.column + 1.0
-        low, high = (self._value(place, column) for column in both)
-        low_slope, high_slope = (self._slope(place, column) for column in both)
+        low, high = (self._value(place, column, sizes) for column in both)
+        low_slope, high_slope = (self._slope(place, column, sizes) for column in both)
         along, across = low_slope + share * (high_slope - low_slope), (high - low) * into_v
         if self.rounding:
-            near, r = self._kink(v, cell), self._radius
-            bend = self._bend(near, cell, low, high, self._value(place, near.column))
+            near, r = self._kink(v, cell, sizes), sizes.radius
+            bend = self._bend(near, cell, low, high, self._value(place, near.column, sizes))
             across = across + bend * ops.where(near.is_left, near.rest, -near.rest) / (2.0 * r)
-            bend = self._bend(near, cell, low_slope, high_slope, self._slope(place, near.column))
+            beyond = self._slope(place, near.column, sizes)
+            bend = self._bend(near, cell, low_slope, high_slope, beyond)
             along = along + bend * near.rest * near.rest / (4.0 * r)
         return along * into_u, across
 
-    def _value(self, place: Any, column: Any) -> Any:
-        return self._columns.value(place + column * float(len(self.values)))
+    def _value(self, place: Any, column: Any, sizes: _Sizes) -> Any:
+        return self._columns.value(place + column * sizes.count)
 
-    def _slope(self, place: Any, column: Any) -> Any:
-        return self._columns.slope(place + column * float(len(self.values)))
+    def _slope(self, place: Any, column: Any, sizes: _Sizes) -> Any:
+        return self._columns.slope(place + column * sizes.count)
 
-    def _along(self, u: Any) -> tuple[Any, Any]:
+    def _along(self, u: Any, sizes: _Sizes) -> tuple[Any, Any]:
         """Return the place along the grid in steps, and its rate by u."""
-        last = float(len(self.values) - 1)
-        raw = (u - self.start) / self.step
-        place = ops.minimum(ops.maximum(raw, 0.0), last)
-        return place, ops.where(ops.logic_and(raw >= 0.0, raw < last), 1.0 / self.step, 0.0)
+        raw = (u - sizes.start) / sizes.step
+        place = ops.minimum(ops.maximum(raw, 0.0), sizes.last)
+        inside = ops.logic_and(raw >= 0.0, raw < sizes.last)
+        return place, ops.where(inside, 1.0 / sizes.step, 0.0)
 
-    def _across_at(self, v: Any) -> tuple[_Cell, Any, Any]:
+    def _across_at(self, v: Any, sizes: _Sizes) -> tuple[_Cell, Any, Any]:
         """Return the cell across, the share of its left edge, and the rate of that by v."""
-        places = self._sections[0]
-        right, left = float(places[0]), float(places[-1])
-        inside = ops.where(ops.logic_and(v >= right, v < left), 1.0, 0.0)
-        held = ops.minimum(ops.maximum(v, right), left)
-        cell = self._cell(held)
+        inside = ops.where(ops.logic_and(v >= sizes.right, v < sizes.left), 1.0, 0.0)
+        held = ops.minimum(ops.maximum(v, sizes.right), sizes.left)
+        cell = self._cell(held, sizes)
         return cell, (held - cell.low) / cell.width, inside / cell.width
 
-    def _kink(self, v: Any, cell: _Cell) -> _Kink:
+    def _kink(self, v: Any, cell: _Cell, sizes: _Sizes) -> _Kink:
         """Return the v whose rounding a place may be in."""
-        places, r = self._sections[0], self._radius
-        held = ops.minimum(ops.maximum(v, float(places[0])), float(places[-1]))
+        held = ops.minimum(ops.maximum(v, sizes.right), sizes.left)
         is_left = held - cell.low > 0.5 * cell.width
         far = ops.where(is_left, cell.low + cell.width - held, held - cell.low)
         beyond = ops.where(is_left, cell.column + 2.0, cell.column - 1.0)
-        most = float(len(places) - 1)
-        column = ops.minimum(ops.maximum(beyond, 0.0), most)
-        return _Kink(column, is_left, ops.maximum(r - far, 0.0))
+        column = ops.minimum(ops.maximum(beyond, 0.0), sizes.most)
+        return _Kink(column, is_left, ops.maximum(sizes.radius - far, 0.0))
 
     def _bend(self, near: _Kink, cell: _Cell, low: Any, high: Any, beyond: Any) -> Any:
         """Return how much the slope across changes at the nearest v, from right to left."""
@@ -175,12 +206,12 @@ class GridTable:
             near.is_left, (beyond - high) / cell.after - own, own - (low - beyond) / cell.before
         )
 
-    def _cell(self, v: Any) -> _Cell:
+    def _cell(self, v: Any, sizes: _Sizes) -> _Cell:
         """Return the cell at a place v between the edges."""
-        places = self._sections[0]
         if self._across is not None:
-            column, width = self._across.value(v), self._across.step
-            return _Cell(column, float(places[0]) + column * width, width, width, width)
+            column, width = self._across.value(v), sizes.width
+            return _Cell(column, sizes.right + column * width, width, width, width)
+        places = self._sections[0]
         widths = np.diff(places)
         cells = [
             _Cell(float(k), float(places[k]), float(widths[k]), float(widths[max(k - 1, 0)]),

@@ -117,6 +117,16 @@ class CurveTable:
         """Return d²y/dx² at a place [unit of y / unit of x²]; zero beyond the ends."""
         return self._polynomial(x, 2)
 
+    def entries(self, x: float) -> list[Any]:
+        """Return the coefficients of the cell of a fixed place as expressions that look them up.
+
+        They are those of powers of the distance from the knot, see :attr:`cells`.
+        """
+        import casadi
+
+        found = self._call.function(casadi.SX(x))
+        return [found[k] for k in range(1, self.order + 2)]
+
     def announce(self) -> None:
         """Make known that expressions look this table up, as those read from a file do."""
         _ = self._call

@@ -3,6 +3,8 @@
 from dataclasses import replace
 from pathlib import Path
 
+import pytest
+
 import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.analyses.preparation.build_model import build_subject
 from vehicledyn.codegen.passes.seam_cut import cut_at_seam
@@ -54,3 +56,16 @@ def test_with_multipliers_nothing_is_handed():
     equations = derive(system)
     assert equations.seam is None
     assert fingerprint(equations)
+
+
+@pytest.mark.long
+def test_random_roads_share_the_model():
+    first, second = (
+        cut_of(
+            "iltis_ramp_steer",
+            f"road={{kind: iso8608, road_class: {kind}, length: {length} m, start: {start} m, "
+            f"track: {track} m, seed: {seed}}}",
+        )
+        for kind, length, start, track, seed in (("A", 30, 0, 1.5, 1), ("C", 50, 2, 1.4, 2))
+    )
+    assert first.model_key == second.model_key

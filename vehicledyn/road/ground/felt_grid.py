@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.road.ground.enveloping import Array, Tandem
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.grids import GridTable
+from vehicledyn.symbolic.run_time_numbers import RunTimeNumbers
 
 MOST_NODES = 2_000_000
 """Most places at which the lift of the cams is kept."""
@@ -31,19 +33,28 @@ class FeltGround:
         """Return the effective height [m]."""
         if self.spacing == 0.0:
             return self.lift.value(u, v)
-        return 0.5 * sum(self.lift.value(place, v) for place in self._cams(u))
+        return 0.5 * sum(self.lift.value(place, v) for place in self._cams(u, self._apart(u)))
 
     def slopes(self, u: Any, v: Any) -> tuple[Any, Any]:
         """Return the effective slopes along u and v [1]."""
         if self.spacing == 0.0:
             return self.lift.slopes(u, v)
-        behind, ahead = self._cams(u)
+        spacing = self._apart(u)
+        behind, ahead = self._cams(u, spacing)
         rise = self.lift.value(ahead, v) - self.lift.value(behind, v)
         across = self.lift.slopes(ahead, v)[1] + self.lift.slopes(behind, v)[1]
-        return rise / self.spacing, 0.5 * across
+        return rise / spacing, 0.5 * across
 
-    def _cams(self, u: Any) -> tuple[Any, Any]:
-        return u - 0.5 * self.spacing, u + 0.5 * self.spacing
+    @cached_property
+    def _spacing(self) -> RunTimeNumbers:
+        return RunTimeNumbers("felt road: spacing of the cams", [self.spacing])
+
+    def _apart(self, u: Any) -> Any:
+        """Return the spacing, which compiled code looks up."""
+        return self._spacing.at(u)[0]
+
+    def _cams(self, u: Any, spacing: Any) -> tuple[Any, Any]:
+        return u - 0.5 * spacing, u + 0.5 * spacing
 
 
 def felt_ground(

@@ -11,10 +11,10 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.road.opencrg.line import ReferenceLine
 from vehicledyn.road.opencrg.road import Border, CrgRoad
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.grids import GridTable
+from vehicledyn.symbolic.run_time_numbers import RunTimeNumbers
 from vehicledyn.symbolic.tables import CurveTable
 
 ROUNDING = 0.05
@@ -28,14 +28,15 @@ _STRAIGHT = 1e-9
 
 
 class _Map(NamedTuple):
-    """First guesses of u [m] in square cells, and the numbers of their columns and rows."""
+    """First guesses of u [m] in square cells, and the numbers of their columns and rows.
+
+    ``sizes`` are its left and its lower edge, the side of a cell [m] and the number of rows.
+    """
 
     guesses: CurveTable
     columns: CurveTable
     rows: CurveTable
-    left: float
-    low: float
-    cell: float
+    sizes: RunTimeNumbers
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,7 +96,8 @@ class CrgGround:
         nearest = cKDTree(np.column_stack([line.x, line.y])).query(places)[1]
         guesses = line.start + line.step * nearest
         table = CurveTable("road map", 0.0, 1.0, np.column_stack([guesses, np.zeros(len(guesses))]))
-        return _Map(table, _numbers(columns), _numbers(rows), float(left), float(low), float(cell))
+        sizes = RunTimeNumbers("road map: sizes", [left, low, cell, rows])
+        return _Map(table, _numbers(columns), _numbers(rows), sizes)
 
     def height(self, x: Any, y: Any) -> Any:
         """Return the height of the ground [m]."""
@@ -116,9 +118,8 @@ class CrgGround:
 
     def place(self, x: Any, y: Any) -> tuple[Any, Any, Any, Any]:
         """Return u and v with their gradients in the world."""
-        line = self.road.line
         if self.is_straight:
-            return _straight(line, x, y)
+            return self._beside_straight(x, y)
         of_x, of_y = self._curve
         u = self._guess(x, y)
         for _ in range(_STEPS):
@@ -134,22 +135,49 @@ class CrgGround:
         v = (dy * tx - dx * ty) / speed
         return u, v, (tx / stretch, ty / stretch), (-ty / speed, tx / speed)
 
+    @cached_property
+    def _direction(self) -> RunTimeNumbers:
+        """Where a straight line begins in the world and along it [m], and cosine and sine."""
+        line = self.road.line
+        along, beside = float(line.x[-1] - line.x[0]), float(line.y[-1] - line.y[0])
+        length = math.hypot(along, beside)
+        begin = line.x[0], line.y[0], line.start
+        return RunTimeNumbers("road line: direction", [*begin, along / length, beside / length])
+
+    def _beside_straight(self, x: Any, y: Any) -> tuple[Any, Any, Any, Any]:
+        """Return u and v with their gradients beside a straight line."""
+        first_x, first_y, start, cosine, sine = self._direction.at(x, y)
+        dx, dy = x - first_x, y - first_y
+        u = start + dx * cosine + dy * sine
+        return u, dy * cosine - dx * sine, (cosine, sine), (-sine, cosine)
+
     def _guess(self, x: Any, y: Any) -> Any:
         of = self._map
-        column = of.columns.value((x - of.left) / of.cell)
-        row = of.rows.value((y - of.low) / of.cell)
-        return of.guesses.value(column * float(len(of.rows.coefficients)) + row + 0.5)
+        left, low, cell, rows = of.sizes.at(x, y)
+        column = of.columns.value((x - left) / cell)
+        row = of.rows.value((y - low) / cell)
+        return of.guesses.value(column * rows + row + 0.5)
+
+    @cached_property
+    def _ends(self) -> RunTimeNumbers:
+        """Start and stop of the line, lengths of the zones at its ends, heights there [m]."""
+        road, line = self.road, self.road.line
+        rise = [road.rise] * 2 if isinstance(road.rise, float) else [road.rise[0], road.rise[-1]]
+        zones = road.borders.smooth_start, road.borders.smooth_end
+        return RunTimeNumbers("road: ends", [line.start, line.stop, *zones, *rise])
 
     def _smoothed(self, u: Any, height: Any) -> tuple[Any, Any, Any]:
         """Return a height led to the ends of the road, its scale, and its own slope along u."""
-        borders, line, scale, rate = self.road.borders, self.road.line, 1.0, 0.0
-        for zone, into, sense, end in (
-            (borders.smooth_start, u - line.start, 1.0, 0),
-            (borders.smooth_end, line.stop - u, -1.0, -1),
+        borders, scale, rate = self.road.borders, 1.0, 0.0
+        zones = borders.smooth_start, borders.smooth_end
+        if not any(zone > 0.0 for zone in zones):
+            return height, scale, rate
+        start, stop, *sizes = self._ends.at(u)
+        for here, zone, into, sense, base in (
+            (zones[0] > 0.0, sizes[0], u - start, 1.0, sizes[2]),
+            (zones[1] > 0.0, sizes[1], stop - u, -1.0, sizes[3]),
         ):
-            if zone > 0.0:
-                rise = self.road.rise
-                base = rise if isinstance(rise, float) else float(rise[end])
+            if here:
                 share = ops.minimum(ops.maximum(into / zone, 0.0), 1.0)
                 turns = ops.where(ops.logic_and(into >= 0.0, into < zone), sense / zone, 0.0)
                 scale, rate = scale * share, rate * share + (height - base) * turns
@@ -182,12 +210,3 @@ def _numbers(count: int) -> CurveTable:
     """Return a table of the number of a cell; outside, of the first or last one."""
     numbers = np.arange(count, dtype=float)
     return CurveTable("cells", 0.0, 1.0, np.column_stack([numbers, np.zeros(count)]))
-
-
-def _straight(line: ReferenceLine, x: Any, y: Any) -> tuple[Any, Any, Any, Any]:
-    length = math.hypot(line.x[-1] - line.x[0], line.y[-1] - line.y[0])
-    cosine = float(line.x[-1] - line.x[0]) / length
-    sine = float(line.y[-1] - line.y[0]) / length
-    dx, dy = x - float(line.x[0]), y - float(line.y[0])
-    u = line.start + dx * cosine + dy * sine
-    return u, dy * cosine - dx * sine, (cosine, sine), (-sine, cosine)
