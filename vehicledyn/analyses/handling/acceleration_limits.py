@@ -1,13 +1,15 @@
 """g-g diagram: the largest lateral acceleration of steady turns at longitudinal accelerations.
 
 For each longitudinal acceleration lateral acceleration grows to its limit; drive and brake torques
-are those of the car's drive and of brakes with its distribution. With much drive the turns of a car
-may go over to power slides without a limit: a driven wheel spins, and the driver steers against the
-turn at side-slip angles that grow. There the diagram ends.
+are those of the car's drive and of brakes with its distribution. A braked inner wheel comes to its
+largest force and locks; the diagram goes on with it locked, as the car does. With much drive a
+driven wheel spins up, or the turns go over to power slides without a limit: the driver steers
+against the turn at side-slip angles that grow. There the diagram ends. Each point says what ends it.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,25 +19,43 @@ from vehicledyn.analyses.handling.steady_turn import SteadyTurn
 from vehicledyn.analyses.handling.tested_car import CarPoint
 from vehicledyn.analyses.handling.turn_equations import Turn
 from vehicledyn.analyses.handling.turn_paths import TurnPath, followed
+from vehicledyn.base.errors import NumericalError
 
 Vector = NDArray[np.float64]
 
+FRONT_GRIP, REAR_GRIP, LARGEST_FORCE = "front grip", "rear grip", "largest force"
+"""Limits of turns: the front or the rear wheels have their largest force across, or one wheel that
+along, behind which it locks or spins."""
+
 _FIRST_STEP, _SMALLEST_STEP = 0.5, 0.03
 _SMALLEST_ALONG = 0.05
+
+_LOCKED, _BACKWARDS = -0.9, -1.1
+"""Longitudinal slip of a wheel that counts as locked, and of one that turns backwards [1]."""
+
+_ASIDE = 0.1
+"""Most that the side-slip angle leaps by where a wheel locks [rad]; further off is another turn."""
+
+_RUNS_AWAY = 0.1
+"""Least slip along that grows at a limit and may lock a wheel, as a part of what grows most [1]."""
 
 
 @dataclass(frozen=True)
 class AccelerationLimits:
     """Limits at a speed [m/s]: accelerations along and across the path, shape (n,) [m/s²].
 
-    ``ends`` (n,) says what the lateral ones are: limits (""), or where a power slide or full
-    throttle ends the diagram. ``lost`` names what was left off before a limit showed.
+    ``ends`` (n,) says what ends each path of turns: the grip of an axle, a wheel's largest force
+    along, power slide, wheel spin or full throttle; "" where no limit showed, and in straight
+    running, where all wheels are alike. ``wheels`` (n,) names the wheel of that largest force, else
+    "", and ``locked`` (n,) those that are locked. ``lost`` says what was left off.
     """
 
     speed: float
     longitudinal: Vector
     lateral: Vector
     ends: tuple[str, ...]
+    wheels: tuple[str, ...]
+    locked: tuple[tuple[str, ...], ...]
     lost: tuple[str, ...] = ()
 
 
@@ -57,8 +77,8 @@ def acceleration_limits(
         while True:
             along = direction * size
             if along or direction > 0.0:
-                across = _across(solver, speed, along, (0.0, point))
-                found.append((along, max(across.values), across.reason))
+                across = _across(solver, speed, along, point)
+                found.append(_limit(solver, across, along, speed))
                 if across.is_lost:
                     further = _FURTHER % across.values[-1]
                     lost.append(f"{words} at {size:g} m/s^2: {further} across the path")
@@ -66,11 +86,13 @@ def acceleration_limits(
             size, point = path.values[-1], path.points[-1]
             if path.end != "found":
                 break
-        found.append((direction * size, 0.0, path.reason))
+        found.append((direction * size, 0.0, path.reason, "", ()))
         if path.is_lost:
             lost.append(f"{words}: {_FURTHER % size} along the path")
-    longitudinal, lateral, ends = zip(*sorted(found), strict=True)
-    return AccelerationLimits(speed, np.array(longitudinal), np.array(lateral), ends, tuple(lost))
+    longitudinal, lateral, *words = zip(*sorted(found, key=lambda row: row[0]), strict=True)
+    return AccelerationLimits(
+        speed, np.array(longitudinal), np.array(lateral), *words, lost=tuple(lost)
+    )
 
 
 _FURTHER = "no balance was found beyond %.3g m/s^2"
@@ -93,18 +115,87 @@ def _straight(
     )
 
 
-def _across(
-    solver: SteadyTurn, speed: float, along: float, start: tuple[float, CarPoint]
-) -> TurnPath:
-    def turn(lateral: float) -> Turn:
-        return Turn(speed, "lateral_acceleration", lateral, along)
+def _limit(
+    solver: SteadyTurn, path: TurnPath, along: float, speed: float
+) -> tuple[float, float, str, str, tuple[str, ...]]:
+    """Return both accelerations, what ends the turns, the wheel that does, and the locked ones."""
+    last, point = path.values[-1], path.points[-1]
+    reason, wheel = path.reason, ""
+    if path.is_limit:
+        locked = _locked(solver, point)
+        growth = solver.slip_growth(_turn(speed, last, along), point)
+        wheel = max(growth, key=lambda name: 0.0 if name in locked else abs(growth[name]))
+        reason = {"front": FRONT_GRIP, "rear": REAR_GRIP}.get(wheel, LARGEST_FORCE)
+    is_named = reason == LARGEST_FORCE
+    return along, last, reason, wheel if is_named else "", _locked(solver, point)
 
-    return followed(
-        solver,
-        turn,
-        start,
-        np.inf,
-        step=_FIRST_STEP,
-        smallest=_SMALLEST_STEP,
-        unwanted=solver.beyond_grip_or_drive,
-    )
+
+def _turn(speed: float, lateral: float, along: float) -> Turn:
+    return Turn(speed, "lateral_acceleration", lateral, along)
+
+
+def _across(solver: SteadyTurn, speed: float, along: float, straight: CarPoint) -> TurnPath:
+    """Follow the turns to their limit, with each wheel locked that locks on the way.
+
+    The path that is returned begins where the last wheel has locked.
+    """
+
+    def path_from(value: float, point: CarPoint) -> TurnPath:
+        return followed(
+            solver,
+            lambda lateral: _turn(speed, lateral, along),
+            (value, point),
+            np.inf,
+            step=_FIRST_STEP,
+            smallest=_SMALLEST_STEP,
+            unwanted=solver.beyond_grip_or_drive,
+        )
+
+    path, further = path_from(0.0, straight), None
+    while along < 0.0 and path.is_limit:
+        turn = _turn(speed, path.values[-1], along)
+        further = _with_one_locked(solver, turn, path.points[-1], path_from)
+        if further is None:
+            break
+        path = further
+    return path
+
+
+def _with_one_locked(
+    solver: SteadyTurn,
+    turn: Turn,
+    point: CarPoint,
+    path_from: Callable[[float, CarPoint], TurnPath],
+) -> TurnPath | None:
+    """Return the path that goes on from a limit with one more wheel locked, None if none does.
+
+    A wheel behind its largest force stops under its brake, and the turn is balanced anew.
+    """
+    car, before = solver.car, _locked(solver, point)
+    growth = solver.slip_growth(turn, point)
+    least = _RUNS_AWAY * max(abs(value) for value in growth.values())
+    for corner in sorted(car.vehicle.corners, key=lambda corner: growth[corner.name]):
+        if growth[corner.name] > -least or corner.name in before:
+            continue
+        state = point.state.copy()
+        state[car.state(f"{corner.spin}_rate")] = 0.0
+        try:
+            locked = solver.find(turn, CarPoint(state, point.unknowns, point.parameters))
+        except NumericalError:
+            continue
+        if set(_locked(solver, locked)) != {*before, corner.name}:
+            continue
+        aside = [solver.car.outputs(p)["body.sideslip_angle"] for p in (point, locked)]
+        if abs(aside[1] - aside[0]) > _ASIDE:
+            continue
+        path = path_from(turn.value, locked)
+        if path.values[-1] > turn.value:
+            return path
+    return None
+
+
+def _locked(solver: SteadyTurn, point: CarPoint) -> tuple[str, ...]:
+    """Return the wheels that are locked in a turn."""
+    outputs = solver.car.outputs(point)
+    slips = {c.name: outputs[f"{c.name}.tyre.longitudinal_slip"] for c in solver.car.vehicle.corners}
+    return tuple(name for name, slip in slips.items() if _BACKWARDS < slip < _LOCKED)

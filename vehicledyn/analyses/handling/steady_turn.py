@@ -43,6 +43,10 @@ _SPINNING, POWER_SLIDE = 0.2, "power slide"
 """Longitudinal slip of a driven wheel beyond that of its largest force, in any tyre [1], and what
 that is where the driver steers against the turn."""
 
+_TWICE, WHEEL_SPIN = 1.0, "wheel spin"
+"""Longitudinal slip of a wheel that turns twice as fast as the ground [1], and what that is: its
+force grows no more, and only the driver's foot keeps it from spinning up on and on."""
+
 LEAST_SIZE = 1e-3
 """Least size that an unknown is measured by."""
 
@@ -234,14 +238,46 @@ class SteadyTurn:
 
         return self.car.memory.recall("orientation", (turn, point), sign)
 
+    def slip_growth(self, turn: Turn, point: CarPoint) -> dict[str, float]:
+        """Return how slips grow along a curve of turns with its value, in units of the value.
+
+        They are those of the front wheels across, by the steering angle less the side-slip angle
+        (``front``), of the rear ones (``rear``), and of each wheel along, by its corner. At a limit
+        one of them runs away: what is held no more.
+        """
+
+        def growth() -> list[float]:
+            search = _Search(self._equations, turn, point)
+            jacobian = search.evaluate(self.unknowns(turn, point))[1]
+            wanted = np.append(np.zeros(len(jacobian) - 1), 1.0)
+            way = np.linalg.lstsq(jacobian, wanted, rcond=None)[0]
+            places = {k: place for place, k in enumerate(self.states.free)}
+            sideslip = float(way[places[self.states.motion[1]]]) / turn.speed
+            steering = float(way[-2]) / self.car.steering_ratio
+            spins = [
+                float(way[places[self.car.state(f"{c.spin}_rate")]]) * c.radius / turn.speed
+                for c in self.car.vehicle.corners
+            ]
+            return [steering - sideslip, sideslip, *spins]
+
+        names = ["front", "rear", *(corner.name for corner in self.car.vehicle.corners)]
+        found = self.car.memory.recall("slip growth", (turn, point), growth)
+        return dict(zip(names, found, strict=True))
+
     def beyond_grip_or_drive(self, point: CarPoint) -> str:
-        """Return that a left turn needs more than full throttle or is a power slide, else ""."""
+        """Return why a left turn is beyond grip or drive, else "".
+
+        It needs more than full throttle, or a driven wheel spins: in a power slide, against which
+        the driver steers, or until it turns twice as fast as the ground.
+        """
         pedal = self.states.pedal
         if pedal is not None and point.state[pedal] > _PRESSED:
             return FULL_THROTTLE
         outputs, corners = self.car.outputs(point), self.car.vehicle.corners
         spin = max(outputs[f"{corner.name}.tyre.longitudinal_slip"] for corner in corners)
-        return POWER_SLIDE if outputs["steering_angle.angle"] < 0.0 and spin > _SPINNING else ""
+        if outputs["steering_angle.angle"] < 0.0 and spin > _SPINNING:
+            return POWER_SLIDE
+        return WHEEL_SPIN if spin > _TWICE else ""
 
     def unknowns(self, turn: Turn, point: CarPoint) -> Vector:
         """Return the unknowns of the search for a turn at a point, shape (n_unknowns,)."""
