@@ -3,8 +3,17 @@
 import numpy as np
 import pytest
 
-from vehicledyn.analyses.handling.acceleration_limits import acceleration_limits
-from vehicledyn.analyses.handling.steady_turn import FULL_THROTTLE, POWER_SLIDE, solver_for
+from vehicledyn.analyses.handling.acceleration_limits import (
+    FRONT_GRIP,
+    LARGEST_FORCE,
+    acceleration_limits,
+)
+from vehicledyn.analyses.handling.steady_turn import (
+    FULL_THROTTLE,
+    POWER_SLIDE,
+    WHEEL_SPIN,
+    solver_for,
+)
 from vehicledyn.analyses.handling.tested_car import CONTROL, TestedCar
 from vehicledyn.interface.targets import read_target
 from vehicledyn.road.manoeuvres.driving_test import DrivingTest
@@ -25,8 +34,32 @@ def test_power_slides_are_left_out():
     driven = found.longitudinal >= 0.0
     assert (np.diff(found.lateral[driven]) < 0.0).all()
     slides = [end == POWER_SLIDE for end in found.ends]
-    assert found.longitudinal[slides] == pytest.approx(np.arange(3.0, 9.0))
+    assert found.longitudinal[slides] == pytest.approx([6.0, 7.0])
+    spins = [end == WHEEL_SPIN for end in found.ends]
+    assert found.longitudinal[spins][:-1] == pytest.approx(np.arange(2.0, 6.0))
     assert found.lateral[[0, -1]] == pytest.approx(0.0)
+
+
+def test_a_locked_inner_wheel_ends_no_diagram():
+    """The inner rear wheel locks first; the car turns on with it locked, on three wheels."""
+    found = limits_of("jeep")
+    assert not found.lost
+    braked = found.longitudinal <= -2.0
+    assert (np.diff(found.lateral[braked]) > 0.5).all()  # at -5 m/s^2 it was 2.76, at -4 6.05
+    at = dict(zip(found.longitudinal, zip(found.ends, found.locked, strict=True), strict=True))
+    assert at[-4.0] == (FRONT_GRIP, ("front_left", "rear_left"))
+    assert at[3.0] == (LARGEST_FORCE, ())
+    words = " ".join(found.told())
+    assert "(front_left): at 0, 1, 2, 3, 4, 5, 6 m/s^2" in words
+    assert "(front_left, rear_left): at -7, -6, -5, -4, -3 m/s^2" in words
+
+
+def test_a_spinning_wheel_ends_the_diagram():
+    """Behind it turns were found at 13,000 rad/s of a front wheel, 6.7 m/s^2 at 4 along."""
+    found = limits_of("front_wheel_drive_car")
+    driven = found.longitudinal >= 0.0
+    assert (np.diff(found.lateral[driven]) < 0.0).all()
+    assert found.ends[-3:-1] == (WHEEL_SPIN, WHEEL_SPIN)
 
 
 def test_a_motor_ends_the_diagram_at_full_throttle():

@@ -4,7 +4,7 @@ For each longitudinal acceleration lateral acceleration grows to its limit; driv
 are those of the car's drive and of brakes with its distribution. A braked inner wheel comes to its
 largest force and locks; the diagram goes on with it locked, as the car does. With much drive a
 driven wheel spins up, or the turns go over to power slides without a limit: the driver steers
-against the turn at side-slip angles that grow. There the diagram ends. Each point says what ends it.
+against the turn at side-slip angles that grow. There the diagram ends. Each point names its end.
 """
 
 from __future__ import annotations
@@ -15,7 +15,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.analyses.handling.steady_turn import SteadyTurn
+from vehicledyn.analyses.handling.steady_turn import (
+    FULL_THROTTLE,
+    POWER_SLIDE,
+    WHEEL_SPIN,
+    SteadyTurn,
+)
 from vehicledyn.analyses.handling.tested_car import CarPoint
 from vehicledyn.analyses.handling.turn_equations import Turn
 from vehicledyn.analyses.handling.turn_paths import TurnPath, followed
@@ -27,11 +32,24 @@ FRONT_GRIP, REAR_GRIP, LARGEST_FORCE = "front grip", "rear grip", "largest force
 """Limits of turns: the front or the rear wheels have their largest force across, or one wheel that
 along, behind which it locks or spins."""
 
+ENDS = {
+    FRONT_GRIP: "the grip of the front wheels across ends the turns",
+    REAR_GRIP: "the grip of the rear wheels across ends the turns",
+    LARGEST_FORCE: "one wheel comes to its largest force along and then locks or spins",
+    POWER_SLIDE: "a power slide with opposite lock begins",
+    WHEEL_SPIN: "a driven wheel turns twice as fast as the ground",
+    FULL_THROTTLE: "the drive reaches full throttle",
+}
+"""What ends turns, in words."""
+
 _FIRST_STEP, _SMALLEST_STEP = 0.5, 0.03
 _SMALLEST_ALONG = 0.05
 
 _LOCKED, _BACKWARDS = -0.9, -1.1
 """Longitudinal slip of a wheel that counts as locked, and of one that turns backwards [1]."""
+
+_NEARLY_FULL = 0.95
+"""Throttle from which on a limit is that of the drive [1]."""
 
 _ASIDE = 0.1
 """Most that the side-slip angle leaps by where a wheel locks [rad]; further off is another turn."""
@@ -57,6 +75,29 @@ class AccelerationLimits:
     wheels: tuple[str, ...]
     locked: tuple[tuple[str, ...], ...]
     lost: tuple[str, ...] = ()
+
+    def told(self) -> list[str]:
+        """Return a sentence for each reason that ends turns, and for each set of locked wheels."""
+        pairs = list(zip(self.ends, self.wheels, strict=True))
+        ended = {
+            (end, wheel): f"{ENDS[end]}{f' ({wheel})' if wheel else ''}"
+            for end, wheel in pairs
+            if end
+        }
+        at = self.longitudinal
+        lines = [
+            f"{words}: at {_listed(at[[pair == key for pair in pairs]])}"
+            for key, words in ended.items()
+        ]
+        for wheels in dict.fromkeys(self.locked):
+            if wheels:
+                there = _listed(at[[locked == wheels for locked in self.locked]])
+                lines.append(f"locked at the limit ({', '.join(wheels)}): at {there}")
+        return lines
+
+
+def _listed(values: Vector) -> str:
+    return f"{', '.join(f'{value:.3g}' for value in values)} m/s^2 along the path"
 
 
 def acceleration_limits(
@@ -86,7 +127,7 @@ def acceleration_limits(
             size, point = path.values[-1], path.points[-1]
             if path.end != "found":
                 break
-        found.append((direction * size, 0.0, path.reason, "", ()))
+        found.append((direction * size, 0.0, _reason(solver, path), "", ()))
         if path.is_lost:
             lost.append(f"{words}: {_FURTHER % size} along the path")
     longitudinal, lateral, *words = zip(*sorted(found, key=lambda row: row[0]), strict=True)
@@ -120,14 +161,21 @@ def _limit(
 ) -> tuple[float, float, str, str, tuple[str, ...]]:
     """Return both accelerations, what ends the turns, the wheel that does, and the locked ones."""
     last, point = path.values[-1], path.points[-1]
-    reason, wheel = path.reason, ""
-    if path.is_limit:
+    reason, wheel = _reason(solver, path), ""
+    if path.is_limit and not reason:
         locked = _locked(solver, point)
         growth = solver.slip_growth(_turn(speed, last, along), point)
         wheel = max(growth, key=lambda name: 0.0 if name in locked else abs(growth[name]))
         reason = {"front": FRONT_GRIP, "rear": REAR_GRIP}.get(wheel, LARGEST_FORCE)
     is_named = reason == LARGEST_FORCE
     return along, last, reason, wheel if is_named else "", _locked(solver, point)
+
+
+def _reason(solver: SteadyTurn, path: TurnPath) -> str:
+    """Return what else than a tyre ends a path, else ""; an engine at its largest torque does."""
+    pedal = solver.states.pedal
+    is_full = path.is_limit and pedal is not None and path.points[-1].state[pedal] > _NEARLY_FULL
+    return FULL_THROTTLE if is_full else path.reason
 
 
 def _turn(speed: float, lateral: float, along: float) -> Turn:
@@ -197,5 +245,7 @@ def _with_one_locked(
 def _locked(solver: SteadyTurn, point: CarPoint) -> tuple[str, ...]:
     """Return the wheels that are locked in a turn."""
     outputs = solver.car.outputs(point)
-    slips = {c.name: outputs[f"{c.name}.tyre.longitudinal_slip"] for c in solver.car.vehicle.corners}
+    slips = {
+        c.name: outputs[f"{c.name}.tyre.longitudinal_slip"] for c in solver.car.vehicle.corners
+    }
     return tuple(name for name, slip in slips.items() if _BACKWARDS < slip < _LOCKED)

@@ -8,7 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from vehicledyn.analyses.handling.acceleration_limits import acceleration_limits
+from vehicledyn.analyses.handling.acceleration_limits import (
+    ENDS,
+    AccelerationLimits,
+    acceleration_limits,
+)
 from vehicledyn.analyses.handling.circle import (
     QUANTITIES,
     SteadyCurve,
@@ -21,6 +25,7 @@ from vehicledyn.analyses.handling.equal_curvature import equal_curvature_figures
 from vehicledyn.analyses.handling.steady_turn import (
     FULL_THROTTLE,
     POWER_SLIDE,
+    WHEEL_SPIN,
     SteadyTurn,
     solver_for,
 )
@@ -137,16 +142,11 @@ def steady_sheets(solver: SteadyTurn, wish: SteadyWish, progress: Progress) -> H
         sheets["limits"] = {
             "longitudinal": Column("m/s^2", along, limits.longitudinal),
             "lateral": Column("m/s^2", across, limits.lateral),
-            **{
-                name.replace(" ", "_"): Column(
-                    "1", f"{words} there (1)", np.array([float(end == name) for end in limits.ends])
-                )
-                for name, words in _ENDS.items()
-            },
+            **_ends(limits),
         }
         figures.append(_limit_figure("braking", -float(limits.longitudinal.min())))
         figures.append(_limit_figure("driving", float(limits.longitudinal.max())))
-        notes += [f"limits, {words}" for words in limits.lost]
+        notes += [f"limits, {words}" for words in (*limits.lost, *limits.told())]
     title = f"Steady cornering at {wish.speed * 3.6:.4g} km/h and {wish.radius:.4g} m"
     return HandlingTable(title, solver.car.title, sheets, figures, tuple(notes))
 
@@ -207,13 +207,25 @@ def _modes(solver: SteadyTurn, curve: SteadyCurve) -> tuple[Sheet, list[KeyFigur
     return sheet, figures
 
 
-_ENDS = {
-    POWER_SLIDE: "Whether a power slide with opposite lock begins",
-    FULL_THROTTLE: "Whether the drive reaches full throttle",
-}
+def _ends(limits: AccelerationLimits) -> Sheet:
+    """Return a column for each reason that ends turns, and the number of locked wheels."""
+    locked = np.array([float(len(wheels)) for wheels in limits.locked])
+    return {
+        **{
+            name.replace(" ", "_"): Column(
+                "1",
+                f"Whether {words} there (1)",
+                np.array([float(end == name) for end in limits.ends]),
+            )
+            for name, words in ENDS.items()
+        },
+        "locked_wheels": Column("1", "Wheels that are locked there", locked),
+    }
+
 
 _NOTED = {
     POWER_SLIDE: "where a power slide with opposite lock begins",
+    WHEEL_SPIN: "where a driven wheel turns twice as fast as the ground",
     FULL_THROTTLE: "at full throttle",
 }
 

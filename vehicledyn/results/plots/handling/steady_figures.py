@@ -137,6 +137,8 @@ def _moments(tables: Sequence[HandlingTable]) -> Figure:
 _ENDS = {
     "power_slide": "a power slide with opposite lock begins",
     "full_throttle": "full throttle",
+    "wheel_spin": "a driven wheel spins",
+    "locked_wheels": "with locked wheels",
 }
 """Columns that mark what ends the diagram, and their names."""
 
@@ -151,7 +153,7 @@ def _limits(tables: Sequence[HandlingTable]) -> Figure:
             closed = np.concatenate([across, -across[::-1], across[:1]])
             axes.plot(closed, np.concatenate([along, along[::-1], along[:1]]), style, marker=".",
                       color=PALETTE[0])  # fmt: skip
-            for (name, label), marker in zip(_ENDS.items(), ("o", "s"), strict=True):
+            for (name, label), marker in zip(_ENDS.items(), ("o", "s", "D", "x"), strict=True):
                 marks = sheet[name].values if name in sheet else np.zeros(0)
                 there = np.flatnonzero(marks)
                 places = np.concatenate([across[there], -across[there]])
