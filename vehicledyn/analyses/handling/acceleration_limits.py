@@ -96,6 +96,10 @@ class AccelerationLimits:
         return lines
 
 
+_Limit = tuple[float, float, str, str, tuple[str, ...]]
+"""Accelerations along and across [m/s²], what ends the turns, its wheel, and the locked ones."""
+
+
 def _listed(values: Vector) -> str:
     return f"{', '.join(f'{value:.3g}' for value in values)} m/s^2 along the path"
 
@@ -112,7 +116,8 @@ def acceleration_limits(
     NumericalError
         If the car does not run straight.
     """
-    found, lost = [], []
+    found: list[_Limit] = []
+    lost = []
     for direction, words in ((-1.0, "braking"), (1.0, "driving")):
         size, point = 0.0, solver.straight(speed)
         while True:
@@ -130,9 +135,10 @@ def acceleration_limits(
         found.append((direction * size, 0.0, _reason(solver, path), "", ()))
         if path.is_lost:
             lost.append(f"{words}: {_FURTHER % size} along the path")
-    longitudinal, lateral, *words = zip(*sorted(found, key=lambda row: row[0]), strict=True)
+    found.sort(key=lambda row: row[0])
+    longitudinal, lateral, ends, wheels, locked = zip(*found, strict=True)
     return AccelerationLimits(
-        speed, np.array(longitudinal), np.array(lateral), *words, lost=tuple(lost)
+        speed, np.array(longitudinal), np.array(lateral), ends, wheels, locked, tuple(lost)
     )
 
 
@@ -156,9 +162,7 @@ def _straight(
     )
 
 
-def _limit(
-    solver: SteadyTurn, path: TurnPath, along: float, speed: float
-) -> tuple[float, float, str, str, tuple[str, ...]]:
+def _limit(solver: SteadyTurn, path: TurnPath, along: float, speed: float) -> _Limit:
     """Return both accelerations, what ends the turns, the wheel that does, and the locked ones."""
     last, point = path.values[-1], path.points[-1]
     reason, wheel = _reason(solver, path), ""

@@ -31,7 +31,7 @@ from vehicledyn.analyses.handling.steady_turn import (
 )
 from vehicledyn.analyses.handling.test_run import Drive
 from vehicledyn.analyses.handling.tested_car import CONTROL, CarPoint, TestedCar
-from vehicledyn.analyses.handling.yaw_moment import yaw_moments
+from vehicledyn.analyses.handling.yaw_moment import REASONS, YawMoments, yaw_moments
 from vehicledyn.analyses.preparation.model_hash import model_facts
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.base.step_memory import Memory
@@ -134,7 +134,9 @@ def steady_sheets(solver: SteadyTurn, wish: SteadyWish, progress: Progress) -> H
     figures += found
     if wish.moments:
         progress("finding yaw moments", None)
-        sheets["yaw_moments"] = _moments(solver, wish.speed, 2.0 * abs(angle))
+        found_moments = _moments(solver, wish.speed, 2.0 * abs(angle))
+        sheets["yaw_moments"] = _moment_sheet(found_moments)
+        notes += [f"yaw moments, {words}" for words in found_moments.told()]
     if wish.limits:
         progress("finding limits of acceleration", None)
         limits = acceleration_limits(solver, wish.speed)
@@ -233,10 +235,21 @@ _UNSTABLE = 1e-3
 """Growth rate that counts as unstable; slow states of the drive have smaller ones [1/s]."""
 
 
-def _moments(solver: SteadyTurn, speed: float, largest: float) -> Sheet:
+def _moments(solver: SteadyTurn, speed: float, largest: float) -> YawMoments:
     steering = np.linspace(-largest, largest, 9)
-    found = yaw_moments(solver, speed, sideslip=_SIDESLIPS, steering=steering)
+    return yaw_moments(solver, speed, sideslip=_SIDESLIPS, steering=steering)
+
+
+def _moment_sheet(found: YawMoments) -> Sheet:
     slips, angles = np.meshgrid(found.sideslip, found.steering, indexing="ij")
+    missing = {
+        reason.replace(" ", "_"): Column(
+            "1",
+            f"Whether there is no balance: {ENDS.get(reason, 'nothing shows why')} (1)",
+            (found.reasons == reason).astype(float).ravel(),
+        )
+        for reason in REASONS
+    }
     return {
         "sideslip_angle": Column("rad", "Side-slip angle that is held", slips.ravel()),
         "steering_angle": Column("rad", "Steering-wheel angle", angles.ravel()),
@@ -246,4 +259,5 @@ def _moments(solver: SteadyTurn, speed: float, largest: float) -> Sheet:
         "yaw_acceleration": Column(
             "rad/s^2", "Yaw acceleration if it were let go", found.yaw_acceleration.ravel()
         ),
+        **missing,
     }

@@ -267,17 +267,26 @@ class SteadyTurn:
     def beyond_grip_or_drive(self, point: CarPoint) -> str:
         """Return why a left turn is beyond grip or drive, else "".
 
-        It needs more than full throttle, or a driven wheel spins: in a power slide, against which
-        the driver steers, or until it turns twice as fast as the ground.
+        As :meth:`beyond_drive`, and where a power slide begins, against which the driver steers.
+        """
+        outputs = self.car.outputs(point)
+        is_slide = outputs["steering_angle.angle"] < 0.0 and self._spin(outputs) > _SPINNING
+        drive = self.beyond_drive(point)
+        return POWER_SLIDE if is_slide and drive != FULL_THROTTLE else drive
+
+    def beyond_drive(self, point: CarPoint) -> str:
+        """Return why a turn is beyond what the drive can hold, else "".
+
+        It needs more than full throttle, or a driven wheel turns twice as fast as the ground.
         """
         pedal = self.states.pedal
         if pedal is not None and point.state[pedal] > _PRESSED:
             return FULL_THROTTLE
-        outputs, corners = self.car.outputs(point), self.car.vehicle.corners
-        spin = max(outputs[f"{corner.name}.tyre.longitudinal_slip"] for corner in corners)
-        if outputs["steering_angle.angle"] < 0.0 and spin > _SPINNING:
-            return POWER_SLIDE
-        return WHEEL_SPIN if spin > _TWICE else ""
+        return WHEEL_SPIN if self._spin(self.car.outputs(point)) > _TWICE else ""
+
+    def _spin(self, outputs: dict[str, float]) -> float:
+        corners = self.car.vehicle.corners
+        return max(outputs[f"{corner.name}.tyre.longitudinal_slip"] for corner in corners)
 
     def unknowns(self, turn: Turn, point: CarPoint) -> Vector:
         """Return the unknowns of the search for a turn at a point, shape (n_unknowns,)."""

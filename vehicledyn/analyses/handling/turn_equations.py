@@ -215,6 +215,8 @@ class TurnEquations:
         )
         column = jacobian[:, -2] * speed + jacobian[:, -1] * acceleration
         column[-1] -= demand
+        if after.sideslip is not None and before.sideslip is not None:
+            column[self._yaw_row] -= (after.sideslip - before.sideslip) / (2.0 * step)
         return np.asarray(column)
 
 
