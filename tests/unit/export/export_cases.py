@@ -32,12 +32,16 @@ from vehicledyn.symbolic.tables import CurveTable
 __all__ = ["CASES", "Case", "case"]
 
 
-def rod(table, name, parent, at, *, axis="R2", length=1.0, start=0.5, rate=0.0, role="auto"):
+def rod(
+    table, name, parent, at, *, axis="R2", length=1.0, start=0.5, rate=0.0, role="auto", rotor=0.0
+):
     """A uniform rod along its own first axis, with parameters of its own."""
     long = table.add(f"{name}.length", length, "m", f"Length of the {name} rod")
     mass = table.add(f"{name}.mass", 1.3 * length, "kg", f"Mass of the {name} rod")
     across = mass * long * long / 12.0
-    joint = Joint(axis, f"{name}.angle", start=start, start_rate=rate, role=role)
+    joint = Joint(
+        axis, f"{name}.angle", start=start, start_rate=rate, role=role, reflected_inertia=rotor
+    )
     body = Body(
         name, parent, at, (joint,), mass=mass, com=(0.5 * long, 0.0, 0.0),
         inertia=(0.0, across, across),
@@ -76,7 +80,7 @@ def four_bar():
     table = ParameterTable()
     crank, length = rod(
         table, "crank", GROUND, (0.0, 0.0, 0.0), axis="R3", length=0.4, start=0.8, rate=4.0,
-        role="independent",
+        role="independent", rotor=0.7,
     )  # fmt: skip
     coupler, reach = rod(
         table, "coupler", "crank", (length, 0.0, 0.0), axis="R3", length=1.1, start=-0.6
@@ -88,12 +92,12 @@ def four_bar():
 
 
 def motor_on_a_shaker():
-    """An open chain on a shaken base with a motor that has a state and a stop."""
+    """An open chain on a shaken base with a motor that has a rotor, a state and a stop."""
     table = ParameterTable()
-    base = Body(
-        "base", GROUND, (0.0, 0.0, 0.0), (Joint("T3", "base.height", role="driven"),), mass=2.0
-    )
-    first, length = rod(table, "first", "base", (0.0, 0.0, 0.0))
+    height = Joint("T3", "base.height", role="driven", reflected_inertia=0.8)
+    base = Body("base", GROUND, (0.0, 0.0, 0.0), (height,), mass=2.0)
+    rotor = table.add("rotor", 0.3, "kg*m^2", "Inertia of the rotor behind its gear")
+    first, length = rod(table, "first", "base", (0.0, 0.0, 0.0), rotor=rotor)
     second, _ = rod(table, "for", "first", (length, 0.0, 0.0), axis="R3", length=0.6)
     shaker = TimeLaw("shaker", "base.height", lambda t: 0.1 * ops.sin(3.0 * t))
     parts = (shaker, Motor("motor", "first.angle"))

@@ -6,11 +6,14 @@ import numpy as np
 import pytest
 from element_examples import ELEMENTS
 from joint_examples import described
-from system_texts import Motion, equations, problems
+from system_texts import Motion, equations, load, problems
 
 import vehicledyn.catalogue
 from vehicledyn.base.registry import find, kinds
+from vehicledyn.files.building.construct import build_system
+from vehicledyn.files.building.python_systems import system_as_yaml
 from vehicledyn.files.system.kinds import load_kinds
+from vehicledyn.multibody import derive
 from vehicledyn.symbolic import ops, rotations
 
 assert vehicledyn.catalogue
@@ -65,6 +68,9 @@ def test_joint_with_a_quaternion_has_its_components_and_an_angular_velocity(tmp_
         ("{kind: screw, axis: 3}", "b.joints[0].lead: missing: Advance in one turn"),
         ("{kind: screw, axis: 4, lead: 1 mm}", "b.joints[0].axis: must be 1, 2 or 3, is '4'"),
         ("{kind: screw, axis: 3, lead: 5 kg}", "b.joints[0].lead: this is in kg, a quantity in m"),
+        ("{kind: T1, reflected_inertia: 1 kg*m^2}", "in kg*m^2, a quantity in kg"),
+        ("{kind: screw, axis: 3, lead: 1 mm, reflected_inertia: 1 kg}", "quantity in kg*m^2"),
+        ("{kind: R1, reflected_inertia: -1 kg*m^2}", "reflected_inertia: "),
         ("{kind: spherical_quaternion, start: [1, 0, 0]}", "b.joints[0].start: it has 4 numbers"),
         ("{kind: spherical_quaternion, start_rate: [1 m, 0, 0]}", "start_rate[0]: this is in m"),
     ],
@@ -79,6 +85,29 @@ def test_joint(kind, tmp_path):
     text = f"title: t\n{TRACK}bodies: {{b: {{joints: [{JOINTS[kind]}], {MASS}}}}}\n"
     e = equations(tmp_path, text)
     assert [e.states[k].name for k in e.positions] == [f"b.{n}" for n in COORDINATES[kind]]
+
+
+def test_reflected_inertia(tmp_path):
+    """In a file, in mirror images, and as of a system from Python."""
+
+    def read(rotor, screw, slide):
+        joints = (
+            f"{{kind: R2, name: a{rotor}}}, {{kind: T1, name: b{slide}}}, "
+            f"{{kind: screw, axis: 3, lead: 1 mm, name: c{screw}}}"
+        )
+        return build_system(load(tmp_path, (
+            "title: t\nparameters: {rotor: {value: 5 kg*m^2, above: 0}}\n"
+            f"mirror: [{{plane: y, names: {{left: right}}, bodies: {{left: {{joints: [{joints}], "
+            f"{MASS}}}}}}}]\n"
+        )))  # fmt: skip
+
+    own = ", reflected_inertia: "
+    with_own = read(f"{own}4 * rotor", f"{own}2 kg*m^2", f"{own}3 kg")
+    for number in (20.0, 2.0, 3.0):
+        assert system_as_yaml(with_own).count(f"reflected_inertia: {number}}}") == 2
+    rates = {f"{side}__{name}_rate": 1.0 for side in ("left", "right") for name in "abc"}
+    plain, one = (Motion(derive(made)).at(**rates) for made in (read("", "", ""), with_own))
+    assert one["energy.kinetic"] - plain["energy.kinetic"] == pytest.approx(20.0 + 3.0 + 2.0)
 
 
 def test_fixed_turn_turns_the_axis_of_the_joint_after_it(tmp_path):

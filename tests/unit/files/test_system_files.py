@@ -183,6 +183,8 @@ def test_body_without_mass_at_the_end_of_a_chain(tmp_path):
     text = "title: t\nbodies:\n  a: {joints: [R2 q], mass: 1 kg, com: [0, 0, 1 m]}\n"
     (line,) = problems(tmp_path, text + "  b: {parent: a, joints: [R2 q]}\n")
     assert line.startswith("4:") and "nothing resists 'b.q'" in line
+    joint = "{kind: R2, name: q, reflected_inertia: 1 kg*m^2}"
+    assert problems(tmp_path, f"{text}  b: {{parent: a, joints: [{joint}]}}\n") == []
 
 
 def test_body_without_inertia_about_its_last_axis(tmp_path):

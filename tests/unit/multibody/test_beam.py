@@ -80,6 +80,21 @@ def test_twist_and_stretch(modes, stiffness, inertia):
     assert found == pytest.approx(np.pi * np.array([0.5, 1.5, 2.5]) * speed, rel=2e-5)
 
 
+@pytest.mark.parametrize(
+    ("direction", "stiffness", "inertia", "hub", "orders"),
+    [
+        ("twist", TWIST, POLAR, (), [0.5, 1.5, 2.5]),
+        ("stretch", STRETCH, MASS, (Joint("T1", "loose"),), [1.0, 2.0, 3.0]),
+    ],
+)
+def test_twist_and_stretch_of_segments(direction, stiffness, inertia, hub, orders):
+    """Clamped-free and free-free: without their negative reflected inertias 3e-3 too low."""
+    kernel = kernel_of(hub=hub, model="segments", segments=32, modes=Modes(**{direction: 1}))
+    found = frequencies(kernel)[len(hub) :][:3]
+    speed = np.sqrt(stiffness / inertia) / LENGTH
+    assert found == pytest.approx(np.pi * np.array(orders) * speed, rel=3e-5)
+
+
 ROTATING = {
     0.0: {3: ([4.797279, 23.320264, 62.984967], [3.743512, 23.126493, 62.913481]),
           12: ([13.170150, 37.603112, 79.614478], [5.427049, 35.636976, 78.704925])},

@@ -1,6 +1,7 @@
 """Systems built in Python that no motion belongs to: what is wrong, and in which parts."""
 
 import logging
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -19,6 +20,7 @@ from vehicledyn.multibody import (
     derive,
 )
 from vehicledyn.multibody.equations.derivation import solve_motion
+from vehicledyn.multibody.model.bodies import quaternion_joint
 from vehicledyn.symbolic.elimination import solve_symmetric
 
 BALL = (0.1, 0.1, 0.1)
@@ -29,8 +31,11 @@ def system(*bodies, **more):
     return System("test", ParameterTable(), tuple(bodies), **more)
 
 
-def arm(name, parent=GROUND, kind="R2", at=(0.0, 0.0, 0.0), start=0.0, role="auto", **more):
-    return Body(name, parent, at, (Joint(kind, f"{name}.q", start, role),), **(SOLID | more))
+def arm(
+    name, parent=GROUND, kind="R2", at=(0.0, 0.0, 0.0), start=0.0, role="auto", own=0.0, **more
+):
+    joint = Joint(kind, f"{name}.q", start, role, reflected_inertia=own)
+    return Body(name, parent, at, (joint,), **(SOLID | more))
 
 
 def four_bar(*, crank=0.3, coupler=0.9, roles=("auto",) * 3, cuts=(), **more):
@@ -89,6 +94,8 @@ def test_all_motions_without_inertia_come_at_once():
     [
         [arm("a", **MASSLESS), arm("b", "a", "R1")],
         [arm("a", role="driven", **MASSLESS)],
+        [arm("a"), arm("b", "a", own=1e-3, **MASSLESS)],
+        [arm("a"), arm("b", "a", own=-0.1)],
         [arm("a", mass=1e5), arm("b", "a", "R1", mass=1e-6, inertia=(1e-9,) * 3)],
         [Body("a", GROUND, joints=tuple(Joint(f"R{k}", f"r{k}") for k in (3, 2, 1)), mass=1.0,
               inertia=BALL)],
@@ -96,6 +103,29 @@ def test_all_motions_without_inertia_come_at_once():
 )  # fmt: skip
 def test_small_or_borrowed_inertia_is_enough(bodies):
     derive(system(*bodies))
+
+
+def test_motions_with_a_negative_kinetic_energy_are_named():
+    """Of a turn beside another, which leaves less than the moment about the hinge, and of loops."""
+    error = refusal(system(arm("a"), arm("b", "a", own=-0.11)))
+    told = "the mass matrix is not positive definite: negative reflected inertias outweigh what "
+    assert isinstance(error, InputError) and f"{told}'a.q' and 'b.q' of bodies" in str(error)
+    assert "lower the amounts of the negative reflected inertias" in str(error)
+    bar = four_bar()
+    bodies = [replace(body, joints=(replace(body.joints[0], reflected_inertia=-0.4),))
+              for body in bar.bodies]  # fmt: skip
+    assert told in str(refusal(system(*bodies, cuts=bar.cuts)))
+
+
+@pytest.mark.parametrize(
+    ("joint", "told"),
+    [
+        (Joint("R2", "a.q", reflected_inertia=np.inf), "reflected inertia is inf; give a finite"),
+        (replace(quaternion_joint("a")[0], reflected_inertia=1.0), "needs a joint with one"),
+    ],
+)
+def test_reflected_inertias_that_mean_nothing(joint, told):
+    assert told in str(refusal(system(Body("a", GROUND, joints=(joint,), **SOLID))))
 
 
 def test_a_place_where_the_mass_matrix_is_singular_is_no_singular_system():

@@ -14,14 +14,18 @@ from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.multibody import GROUND, Body, Joint, ParameterTable, System, derive
 from vehicledyn.multibody.equations import singular_mass
 from vehicledyn.multibody.equations.derivation import solve_motion
+from vehicledyn.multibody.equations.felt_inertia import smallest_share
 from vehicledyn.multibody.loops.partition import RANK_TOLERANCE, best_pairs
 from vehicledyn.multibody.recursion import forward_dynamics as forward
 
 KINDS = ("R1", "T2", "R3", "T1", "R2")
 
 
-def many(count, parent, *, last_mass=1.0, last_kind="R1"):
-    """Bodies with numbers of their own on joints of all kinds, one of them driven."""
+def many(count, parent, *, last_mass=1.0, last_kind="R1", reflected=0.0):
+    """Bodies with numbers of their own on joints of all kinds, one of them driven.
+
+    The ``reflected`` inertia is that of the last joint, every other one before has its amount.
+    """
     rng = np.random.default_rng(count)
     bodies = []
     for k in range(count):
@@ -31,6 +35,7 @@ def many(count, parent, *, last_mass=1.0, last_kind="R1"):
             f"b{k}.q",
             start=rng.uniform(-1.0, 1.0),
             role="driven" if k == 3 else "auto",
+            reflected_inertia=reflected if is_last else (k % 2) * abs(reflected),
         )
         inertia = (*rng.uniform(0.1, 0.15, 3), 0.0, 0.0, 0.0)
         mass, com = rng.uniform(1.0, 2.0), tuple(rng.uniform(-0.1, 0.1, 3))
@@ -52,15 +57,16 @@ def fan(k):
 
 
 @pytest.mark.parametrize("parent", [chain, fan])
-@pytest.mark.parametrize("last_mass", [1.0, 1e-10])
-def test_inertia_felt_is_the_diagonal_of_a_factorisation(parent, last_mass):
+@pytest.mark.parametrize(("last_mass", "own"), [(1.0, 0.0), (1e-10, 0.0), (1.0, 0.4), (0.0, 0.4)])
+def test_inertia_felt_is_the_diagonal_of_a_factorisation(parent, last_mass, own):
     """Of the columns by which rates move the masses, leaves first, to rounding of their roots."""
-    resistance = solve_motion(many(12, parent, last_mass=last_mass)).resistance
+    system = many(12, parent, last_mass=last_mass, reflected=own)
+    resistance = solve_motion(system).resistance
     q = np.array([joint.start for joint in resistance.joints])
     columns = resistance._inertial(0.0, q, resistance._values)[:, resistance._free]
     sizes = np.linalg.norm(columns, axis=0)
     diagonal = np.abs(np.diag(np.linalg.qr(columns[:, ::-1], mode="r")))[::-1]
-    found = resistance._smallest_share(0.0, q, resistance._values)
+    found = smallest_share(*resistance._link_numbers(0.0, q, resistance._values))
     assert found == pytest.approx((diagonal / sizes).min(), rel=1e-9)
 
 
@@ -69,6 +75,15 @@ def test_a_joint_without_inertia_is_named_in_a_large_tree(monkeypatch):
     derive(many(12, chain))
     with pytest.raises(InputError, match=r"nothing resists 'b11\.q' of body 'b11'"):
         derive(many(12, chain, last_mass=0.0))
+    derive(many(12, chain, last_mass=0.0, reflected=1e-3))
+
+
+def test_a_negative_mass_matrix_of_a_large_tree_is_refused(monkeypatch):
+    monkeypatch.setattr(singular_mass, "_DENSE", 5)
+    derive(many(12, chain, reflected=-0.05))
+    told = r"not positive definite: negative reflected inertias outweigh what 'b11\.q' of body"
+    with pytest.raises(InputError, match=told):
+        derive(many(12, chain, reflected=-0.2))
 
 
 def test_what_is_dense_is_not_compared_in_a_large_tree(monkeypatch):

@@ -38,10 +38,13 @@ def refuse_idle_start(prepared: Prepared, time: float, state: Vector, unknowns: 
     found = _idle(prepared, time, state, unknowns)
     if not found:
         return
+    from vehicledyn.multibody.equations.singular_mass import state_of
+
     names = [name for idle in found for name in idle.shares]
+    remedy = "start these coordinates elsewhere, or take joints in another order"
     raise InputError(
-        f"the mass matrix is singular at the start: {_told(prepared, found)} there; start these "
-        "coordinates elsewhere, or take joints in another order",
+        f"the mass matrix is {state_of(found)} at the start: {_told(prepared, found)} there; "
+        f"{found[0].remedy if found[0].is_negative else remedy}",
         about=names,
     )
 

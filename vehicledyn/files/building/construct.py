@@ -235,6 +235,9 @@ def _chain(values: Values, body: str, joint: JointSet) -> list[Joint | Turn]:
             description=c.description,
             settings={n: values.setting(item) for n, item in c.settings.items()},
             siblings=c.siblings,
+            reflected_inertia=(
+                0.0 if c.reflected_inertia is None else values.value(c.reflected_inertia)
+            ),
         )
         for c in joint.coordinates(body)
         for speed in (not c.type.has_position,)

@@ -92,6 +92,12 @@ class _Writer:
             written[name] = value if is_plain else self._numbers([value])[0]
         written |= {"start": item.start} if item.start else {}
         written |= {"start_rate": item.start_rate} if item.start_rate else {}
+        if not ops.is_structurally_zero(item.reflected_inertia):
+            reflected = self._numbers([item.reflected_inertia])[0]
+            if reflected > 0.0:
+                written["reflected_inertia"] = reflected
+            else:
+                self.left_out.append(f"the reflected inertia {reflected:g} of '{item.name}'")
         written |= {"role": item.role} if item.role != "auto" else {}
         return [written | ({"description": item.description} if item.description else {})]
 

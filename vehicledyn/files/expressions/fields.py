@@ -82,7 +82,8 @@ def measured(
     ----------
     unit
         SI unit of its value. In force and time laws ``{length}`` and ``{force}`` stand for the
-        units of the coordinate they act on and of its force.
+        units of the coordinate they act on and of its force, in joints ``{inertia}`` for that of
+        what the coordinate moves.
     description
         Meaning, one phrase.
     default

@@ -34,6 +34,7 @@ class Coordinate:
     description: str
     settings: dict[str, Any] = field(default_factory=dict, compare=False)
     siblings: tuple[str, ...] = ()
+    reflected_inertia: Expression | None = None
 
     @property
     def type(self) -> JointType:
@@ -89,6 +90,12 @@ class TypedJointSet(JointSet):
     )
     start: Scalar = measured("{length}", "Where it starts", default=zero())
     start_rate: Scalar = measured("{length}/s", "Its rate at the start", default=zero())
+    reflected_inertia: Scalar | None = measured(
+        "{inertia}",
+        "Inertia that the coordinate alone feels, such as that of a rotor through its gear",
+        default=None,
+        above=0.0,
+    )
     role: Role = Field(default="auto", description=_ROLE)
     description: str = Field(default="", description="What the coordinate is, for people")
 
@@ -106,7 +113,12 @@ class TypedJointSet(JointSet):
         usual = find(FAMILY, self.kind).usual_name
         name = full_name(body, self.name or usual)
         start = (self.start, self.start_rate)
-        return [Coordinate(name, self.kind, self.role, *start, self.description, own)]
+        return [
+            Coordinate(
+                name, self.kind, self.role, *start, self.description, own,
+                reflected_inertia=self.reflected_inertia,
+            )
+        ]  # fmt: skip
 
     def mirrored(self, axis: int) -> Self:
         """Return the joint with its start turned round where the motion is, handed settings too."""

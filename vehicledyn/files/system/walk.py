@@ -47,7 +47,7 @@ class Reference:
 
 @dataclass(frozen=True)
 class _Units:
-    """What ``{length}`` and ``{force}`` stand for, and the points that may be named.
+    """What ``{length}``, ``{force}`` and ``{inertia}`` stand for, and the points that may be named.
 
     ``known`` is false where that cannot be said, as the coordinate in question is not known.
     """
@@ -61,7 +61,8 @@ class _Units:
         """Return a unit with what its placeholders stand for; empty if that is not known."""
         if "{" in unit and not self.known:
             return ""
-        return unit.format(length=self.length, force=self.force)
+        inertia = "kg*m^2" if self.length == "rad" else "kg"
+        return unit.format(length=self.length, force=self.force, inertia=inertia)
 
 
 def walk(file: SystemFile, coordinates: dict[str, Coordinate]) -> Iterator[Found | Reference]:

@@ -5,6 +5,13 @@ and E A / h, so that rotation and deflection of the end under a constant bending
 the beam. Pairs of joints stand at the two Gauss points of their 2 h: deflections under end forces
 and even loads are exact too, and frequencies converge with the fourth power of n. Joints in the
 middles of their parts would leave errors of 1/(4 n²).
+
+Segments do not stretch, but move as steps along a slope: where the beam has the velocity v and the
+rate of strain r, a segment has v - r s, s counted from where both agree. With the joints at Gauss
+points the integral of v r s cancels over a pair to the fourth order; what remains of the kinetic
+energy is a surplus of ½ c q̇² a joint, q̇ = h r, with c = μ ∫ s² ds / h² = μ h (2 - √3)/3. So the
+coordinates of stretch have the reflected inertia -c, and those of twist the same of the polar
+inertia. It changes neither weights nor forces at rest.
 """
 
 from __future__ import annotations
@@ -29,6 +36,22 @@ _JOINTS = {
     "y": ("R3", "y"),
 }
 """Joint and name of the coordinate by which a segment yields in each direction."""
+
+_SURPLUS = (2.0 - math.sqrt(3.0)) / 3.0
+"""Mean of s² over h², of pairs of joints at Gauss points: (a³ + b³)/24 with a = 2/√3, b = 2 - a."""
+
+_LAST_SURPLUS = 1.0 / 12.0
+"""The same of an odd joint in the middle of its part."""
+
+_CARRIED = {"stretch": "mass", "twist": "inertia"}
+"""Directions in which segments move in steps, and what of them does so."""
+
+_MOST = 0.24
+"""Most of the inertia of a segment that a joint at either end takes, twice that of a half one.
+
+Beams whose sections change so much that this counts keep a positive definite mass matrix: it needs
+that both ends of a segment take less than half of it together.
+"""
 
 _FIRST = 3.5160152685
 """ω L² √(μ / E I) of the first mode of a clamped beam."""
@@ -137,10 +160,28 @@ class SegmentedBeam:
                 kind,
                 f"{self.name}.{word}_{index}",
                 description=f"Joint {index} of {self.name}, {direction}",
+                reflected_inertia=-self._surplus(direction, index),
             )
             for direction, (kind, word) in _JOINTS.items()
             if direction in self.yields
         )
+
+    def _surplus(self, direction: str, index: int) -> Scalar:
+        """Return the inertia by which segments that move in steps have too much at a joint."""
+        if direction not in _CARRIED:
+            return 0.0
+        place, is_last = self.joints[index - 1], index == self.count
+        share = _LAST_SURPLUS if is_last and self.count % 2 else _SURPLUS
+        here, step = self.properties.at(place), self.length / self.count
+        found = share * step * (here.polar if direction == "twist" else here.mass_per_length)
+        if self.properties.is_uniform:
+            return found
+        for segment in (index - 1, index):
+            own = self._inertia(*self._ends(segment))
+            whole = own["inertia"][0] if direction == "twist" else own["mass"]
+            is_half = segment in (0, self.count)
+            found = ops.minimum(found, (2.0 if is_half else 1.0) * _MOST * whole)
+        return found
 
     def energy(self, kinematics: Kinematics) -> Scalar:
         """Return the energy of the springs [J]."""

@@ -238,6 +238,8 @@ def _energies(
         kinetic = kinetic + 0.5 * (body.mass * ops.dot(velocity, velocity) + turning)
         where = kinematics.position_in(-1, link, com)
         height = height - body.mass * ops.dot(solved.gravity, where)
+    for name, reflected in kinematics.tree.reflected_inertias.items():
+        kinetic = kinetic + 0.5 * reflected * solved.rates[name] ** 2
     power = constraint_power
     for wrench in solved.wrenches:
         link = kinematics.tree.body_link[wrench.body]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +10,12 @@ from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.multibody.equations.deformable_rows import DeformableRows, DeformedNumbers, roots
-from vehicledyn.multibody.equations.felt_inertia import LinkNumbers, body_rows, smallest_share
+from vehicledyn.multibody.equations.felt_inertia import (
+    LinkNumbers,
+    body_rows,
+    first_negative,
+    smallest_share,
+)
 from vehicledyn.multibody.loops.closure import Closure, MultiplierClosure
 from vehicledyn.multibody.model.bodies import Joint
 from vehicledyn.multibody.model.kinematics import Kinematics
@@ -45,9 +50,20 @@ _NAMED = 8
 
 @dataclass(frozen=True)
 class Idle:
-    """A motion that nothing resists: the share of each independent coordinate's rate in it."""
+    """A motion that nothing resists: the share of each independent coordinate's rate in it.
+
+    One that ``is_negative`` has a negative kinetic energy, by negative reflected inertias.
+    """
 
     shares: dict[str, float]
+    is_negative: bool = False
+
+    @property
+    def remedy(self) -> str:
+        """What to do about it where it is so in any configuration."""
+        if self.is_negative:
+            return "lower the amounts of the negative reflected inertias of its coordinates"
+        return "give mass or inertia to what this motion moves, or drive or drop a coordinate of it"
 
     def words(self, owners: dict[str, str]) -> str:
         """Return the motion in words; ``owners`` are the bodies of the coordinates."""
@@ -55,6 +71,9 @@ class Idle:
         bodies = list(dict.fromkeys(f"'{owners[name]}'" for name in self.shares))
         held = f"{'body' if len(bodies) == 1 else 'bodies'} {_listed(bodies)}"
         together = " moving together" if len(names) > 1 else ""
+        if self.is_negative:
+            moves = "move" if len(names) > 1 else "moves"
+            return f"negative reflected inertias outweigh what {_listed(names)} of {held} {moves}"
         return f"nothing resists {_listed(names)} of {held}{together}"
 
 
@@ -82,6 +101,8 @@ class Resistance:
         kinematics = Kinematics(tree, symbols.coordinates, symbols.rates)
         self._frames = ops.numeric(inputs, _frames(kinematics, len(tree.links)))
         self._masses = ops.numeric(inputs, _masses(system))
+        self._reflected_names = list(tree.reflected_inertias)
+        self._reflected = ops.numeric(inputs, ops.column([*tree.reflected_inertias.values()]))
         self._deformable = DeformableRows(kinematics, inputs)
         self._body_links = [tree.body_link[b.name] for b in system.bodies if b.mass is not None]
         self._pairs = closure.partition.pairs
@@ -105,8 +126,10 @@ class Resistance:
             Share of the inertia of its coordinates below which a motion counts [1].
         """
         values = self._values if parameters is None else parameters
-        if self._is_large_tree and self._smallest_share(time, q, values) > share:
-            return []
+        if self._is_large_tree:
+            links = self._link_numbers(time, q, values)
+            if smallest_share(*links) > share:
+                return self._negative_joint(*links)
         with np.errstate(over="ignore", invalid="ignore"):
             moved = self._inertial(time, q, values) @ self._transfer(time, q, values)
         if not moved.shape[1] or not np.isfinite(moved).all():
@@ -117,28 +140,70 @@ class Resistance:
         scaled = np.where(moving, moved, 0.0) / np.where(moving, sizes, 1.0)
         _, found, motions = np.linalg.svd(np.linalg.qr(scaled, mode="r"))
         rank = int(np.sum(found > share))
-        return [self._named(vector) for vector in _sparse(motions[rank:])]
+        idle = [self._named(vector) for vector in _sparse(motions[rank:])]
+        return idle or self._negative_motion(time, q, values)
 
     @property
     def _is_large_tree(self) -> bool:
         """Whether there are too many joints for a factorisation that knows nothing of the tree."""
         return not self._pairs and len(self._free) > _DENSE
 
-    def _smallest_share(self, time: float, q: Array, values: Array) -> float:
-        """Return the least share of its inertia that a joint keeps as those beyond it yield."""
+    def _negative_joint(
+        self, links: Sequence[LinkNumbers], bodies: Mapping[int, Array]
+    ) -> list[Idle]:
+        """Return the coordinate of a tree at which the mass matrix is not positive definite."""
+        if all(item.reflected >= 0.0 for item in links):
+            return []
+        found = first_negative(links, bodies)
+        return [] if found is None else [Idle({self._links[found].name: 1.0}, is_negative=True)]
+
+    def _negative_motion(self, time: float, q: Array, values: Array) -> list[Idle]:
+        """Return the motion with the most negative kinetic energy, if any has such.
+
+        With the energies ½ |G v|² of all that is positive and -½ |N v|² of negative reflected
+        inertias, and G = Q R, those of N R⁻¹ must be below one.
+        """
+        reflected = self._reflected_numbers(time, q, values)
+        negative = {name: value for name, value in reflected.items() if value < 0.0}
+        if not negative:
+            return []
+        transfer = self._transfer(time, q, values)
+        moved = self._inertial(time, q, values) @ transfer
+        root: Array = np.asarray(np.linalg.qr(moved, mode="r"))
+        rows = np.zeros((len(negative), len(self.joints)))
+        for row, (name, value) in zip(rows, negative.items(), strict=True):
+            row[self._index[name]] = np.sqrt(-value)
+        compared = np.linalg.solve(root.T, (rows @ transfer).T).T
+        _, sizes, motions = np.linalg.svd(compared)
+        if sizes[0] < 1.0:
+            return []
+        motion = np.linalg.solve(root, motions[0])
+        return [Idle(self._named(motion).shares, is_negative=True)]
+
+    def _reflected_numbers(self, time: float, q: Array, values: Array) -> dict[str, float]:
+        """Return the reflected inertias by coordinate [kg, kg m²]."""
+        numbers = self._reflected(time, q, values).ravel()
+        return dict(zip(self._reflected_names, map(float, numbers), strict=True))
+
+    def _link_numbers(
+        self, time: float, q: Array, values: Array
+    ) -> tuple[list[LinkNumbers], dict[int, Array]]:
+        """Return links and bodies of a tree in numbers."""
+        reflected = self._reflected_numbers(time, q, values)
         frames = self._frames(time, q, values).reshape(-1, _PER_LINK)
         free = {self.joints[k].name for k in self._free}
         links = []
         for item, numbers in zip(self._links, frames, strict=True):
             is_free = item.joint is not None and item.joint.name in free
             rotation, arm, motion = numbers[:9].reshape(3, 3), numbers[9:12], numbers[12:18]
-            links.append(LinkNumbers(item.parent, rotation, arm, motion if is_free else None))
+            own = reflected.get(item.name, 0.0)
+            links.append(LinkNumbers(item.parent, rotation, arm, motion if is_free else None, own))
         masses = self._masses(time, q, values).reshape(-1, 13)
         bodies = {
             link: body_rows(row[0], row[1:4], row[4:].reshape(3, 3))
             for link, row in zip(self._body_links, masses, strict=True)
         }
-        return smallest_share(links, bodies)
+        return links, bodies
 
     def anywhere(self, time: float, q: Array) -> list[Idle]:
         """Return the motions that nothing resists at a configuration nor anywhere about it."""
@@ -180,6 +245,11 @@ class Resistance:
             blocks.append(np.sqrt(max(numbers[0], 0.0)) * velocity)
             local = (rotations[link] @ axes).T @ turning
             blocks.append(np.sqrt(np.maximum(sizes, 0.0))[:, None] * local)
+        for name, value in self._reflected_numbers(time, q, values).items():
+            if value > 0.0:
+                row = np.zeros((1, len(self.joints)))
+                row[0, self._index[name]] = np.sqrt(value)
+                blocks.append(row)
         return np.vstack(blocks)
 
     def _moved(
@@ -237,10 +307,14 @@ def refuse_idle(system: System, found: Sequence[Idle]) -> None:
     told = "; ".join(idle.words(owners) for idle in found)
     names = tuple(name for idle in found for name in idle.shares)
     raise InputError(
-        f"system '{system.name}': the mass matrix is singular: {told}; give mass or inertia to "
-        "what this motion moves, or drive or drop a coordinate of it",
+        f"system '{system.name}': the mass matrix is {state_of(found)}: {told}; {found[0].remedy}",
         about=(*(owners[name] for name in names), *names),
     )
+
+
+def state_of(found: Sequence[Idle]) -> str:
+    """Return what the mass matrix is where motions are not resisted."""
+    return "not positive definite" if found[0].is_negative else "singular"
 
 
 def owners_of(system: System) -> dict[str, str]:

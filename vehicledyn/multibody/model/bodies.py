@@ -28,7 +28,11 @@ class Joint:
     starts from [m, rad; m/s, rad/s]. ``role`` says whether the coordinate is a state, solved
     from the loops, prescribed in time, or left to the automatic partition ("auto").
     ``siblings`` are the names of all coordinates of a joint that has several, such as one of
-    :func:`quaternion_joint`.
+    :func:`quaternion_joint`. ``reflected_inertia`` is an inertia I that only this coordinate
+    feels, such as that of a motor's rotor through its gear: it adds I to the diagonal of the mass
+    matrix, -I q̈ to the force along the coordinate and ½ I q̇² to the kinetic energy
+    [kg, kg m²]. It is constant, and may be negative as long as the mass matrix is positive
+    definite.
     """
 
     kind: str
@@ -39,6 +43,7 @@ class Joint:
     description: str = ""
     settings: dict[str, Any] = field(default_factory=dict, compare=False)
     siblings: tuple[str, ...] = ()
+    reflected_inertia: Scalar = field(default=0.0, compare=False)
 
     @cached_property
     def type(self) -> JointType:

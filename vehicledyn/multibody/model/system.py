@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal, TypeAlias
 
@@ -16,6 +17,7 @@ from vehicledyn.multibody.model.cuts import Cut
 from vehicledyn.multibody.model.declaration import out_of_bounds
 from vehicledyn.multibody.model.ground import GROUND
 from vehicledyn.multibody.model.parts import Part
+from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar
 from vehicledyn.symbolic.parameters import ParameterTable
 
@@ -202,12 +204,23 @@ def _joint_problems(system: System) -> list[str]:
             problems += [f"joint '{joint.name}': {found}"] if found else []
         if not problem and joint.siblings and joint.role != "independent":
             problems.append(f"joint '{joint.name}': the role of a quaternion is 'independent'")
+        if not (problem or ops.is_structurally_zero(joint.reflected_inertia)):
+            problems += [f"joint '{joint.name}': {text}" for text in _reflected_problems(joint)]
         if joint.role not in ROLES:
             problems.append(f"joint '{joint.name}': {unknown_name('role', joint.role, ROLES)}")
         if joint.name in seen:
             problems.append(f"joint '{joint.name}' is defined twice")
         seen.add(joint.name)
     return problems
+
+
+def _reflected_problems(joint: Joint) -> Iterator[str]:
+    """Yield what is wrong with an inertia that a coordinate feels."""
+    if joint.siblings or joint.kind == DEFORMATION:
+        yield "a reflected inertia needs a joint with one coordinate, a turn or a slide"
+    value = joint.reflected_inertia
+    if isinstance(value, int | float) and not math.isfinite(value):
+        yield f"its reflected inertia is {value}; give a finite number"
 
 
 def _type_problem(joint: Joint) -> str:

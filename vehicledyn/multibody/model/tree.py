@@ -92,6 +92,19 @@ class Tree:
         return shared[-1]
 
     @property
+    def reflected_inertias(self) -> dict[str, Scalar]:
+        """Inertias that only a coordinate of a joint feels, those that are not zero [kg, kg m²].
+
+        All recursions take them from here: they belong to coordinates, not to bodies.
+        """
+        joints = (link.joint for link in self.links if link.joint is not None)
+        return {
+            joint.name: joint.reflected_inertia
+            for joint in joints
+            if not ops.is_structurally_zero(joint.reflected_inertia)
+        }
+
+    @property
     def has_deformable_bodies(self) -> bool:
         """Whether the body of any link deforms."""
         return any(link.flexibility is not None for link in self.links)

@@ -18,12 +18,13 @@ from vehicledyn.multibody.joints.joint_type import Axes
 from vehicledyn.multibody.model.joint_wrench import JointWrench
 from vehicledyn.multibody.model.kinematics import Kinematics
 from vehicledyn.multibody.model.tree import Link
-from vehicledyn.multibody.recursion.articulated_inertia import UPPER, ArticulatedInertia
+from vehicledyn.multibody.recursion.articulated_inertia import ArticulatedInertia
 from vehicledyn.multibody.recursion.body_inertia import BodyInertia
 from vehicledyn.multibody.recursion.floating_body import (
     body_acceleration,
     coordinate_accelerations,
 )
+from vehicledyn.multibody.recursion.free_joint import effort_of, felt_beyond
 from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec
 from vehicledyn.symbolic.shared_steps import Writer, written_out
@@ -145,6 +146,7 @@ def _inwards(
     They are carried to the links of ``stop``, which change, and not further.
     """
     gates: dict[int, _Gate] = {}
+    reflected = kinematics.tree.reflected_inertias
     hanging: dict[int, list[Mat]] = defaultdict(list)
     for link in reversed(list(bodies)):
         item = kinematics.tree.links[link]
@@ -157,10 +159,15 @@ def _inwards(
         if item.joint is not None and is_free:
             force = ops.scalar(joint_forces.get(item.joint.name, 0.0))
             given += [_columns(kinematics.link_axes(link), item), force]
+            if item.joint.name in reflected:
+                given.append(ops.scalar(reflected[item.joint.name]))
         if item.parent >= 0:
             given += [kinematics.link_arm(link), *kinematics.link_turns(link)]
-        inward = partial(_inward, item=item, n_own=len(own), is_free=is_free)
-        structure = (_kind(item), len(own), is_free, item.parent >= 0)
+        is_reflecting = is_free and item.name in reflected
+        inward = partial(
+            _inward, item=item, n_own=len(own), is_free=is_free, is_reflecting=is_reflecting
+        )
+        structure = (_kind(item), len(own), is_free, is_reflecting, item.parent >= 0)
         found = write("inward", structure, [*own, *given], inward)
         if is_free:
             gates[link] = _Gate(*found[-3:])
@@ -209,17 +216,23 @@ def _total(parts: Sequence[Mat]) -> tuple[ArticulatedInertia, JointWrench]:
     return body, wrench
 
 
-def _inward(given: list[Mat], *, item: Link, n_own: int, is_free: bool) -> list[Mat]:
-    """Return what a link is for its parent, where there is one, and its gate, where it is free."""
+def _inward(
+    given: list[Mat], *, item: Link, n_own: int, is_free: bool, is_reflecting: bool
+) -> list[Mat]:
+    """Return what a link is for its parent, where there is one, and its gate, where it is free.
+
+    The matrix after the force is the joint's reflected inertia, if it ``is_reflecting``.
+    """
     body, wrench = _total(given[:n_own])
     rest = given[n_own:]
     gate: list[Mat] = []
     if is_free:
         axis, force, *rest = rest
-        effort = _effort(_axes(axis, item), body, wrench, force)
+        reflected = rest.pop(0) if is_reflecting else None
+        effort = effort_of(_axes(axis, item), body, wrench, force, reflected)
         gate = [effort.unit_force, effort.unit_torque, effort.push]
         if item.parent >= 0:
-            body, wrench = _beyond(item, body, wrench, effort, force)
+            body, wrench = felt_beyond(item, body, wrench, effort, force)
     if item.parent < 0:
         return gate
     arm, *turns = rest
@@ -234,70 +247,6 @@ def _turned(wrench: JointWrench, turns: Sequence[Mat], arm: Vec) -> JointWrench:
     for turn in turns:
         force, torque = turn @ force, turn @ torque
     return JointWrench(force, ops.plus_cross(torque, arm, force))
-
-
-@dataclass(frozen=True)
-class _Effort:
-    """The wrench of a joint's unit acceleration, the same over its inertia, and its push."""
-
-    force: Vec
-    torque: Vec
-    unit_force: Vec
-    unit_torque: Vec
-    push: Scalar
-
-
-def _effort(axes: Axes, body: ArticulatedInertia, wrench: JointWrench, force: Scalar) -> _Effort:
-    turns, slides = axes.angular, axes.linear
-    if slides is None:
-        column, turning = body.coupling @ turns, body.angular @ turns
-        inverse = 1.0 / ops.dot(turns, turning)
-        push = (force - ops.dot(turns, wrench.torque)) * inverse
-    elif turns is None:
-        column, turning = body.linear @ slides, body.coupling.T @ slides
-        inverse = 1.0 / ops.dot(slides, column)
-        push = (force - ops.dot(slides, wrench.force)) * inverse
-    else:
-        column = body.linear @ slides + body.coupling @ turns
-        turning = body.coupling.T @ slides + body.angular @ turns
-        inverse = 1.0 / (ops.dot(slides, column) + ops.dot(turns, turning))
-        along = ops.dot(slides, wrench.force) + ops.dot(turns, wrench.torque)
-        push = (force - along) * inverse
-    return _Effort(column, turning, column * inverse, turning * inverse, push)
-
-
-def _beyond(
-    item: Link, body: ArticulatedInertia, wrench: JointWrench, gate: _Effort, along: Scalar
-) -> tuple[ArticulatedInertia, JointWrench]:
-    """Return inertia and wrench as they are felt through a free joint.
-
-    Along the joint nothing is felt but its own force. Where the joint's axis is one of the
-    link's these entries are entered as what they are, not computed.
-    """
-    f, t, uf, ut = gate.force, gate.torque, gate.unit_force, gate.unit_torque
-    turns, slides = (
-        set() if axis is None or item.after is not None else {axis - 1}
-        for axis in (item.turns_about, item.slides_along)
-    )
-    row, column = set(range(3)) - slides, set(range(3)) - turns
-    linear = [body.linear[i, j] - f[i] * uf[j] if i in row and j in row else 0.0 for i, j in UPPER]
-    angular = [
-        body.angular[i, j] - t[i] * ut[j] if i in column and j in column else 0.0 for i, j in UPPER
-    ]
-    coupling = [
-        [body.coupling[i, j] - f[i] * ut[j] if i in row and j in column else 0.0 for j in range(3)]
-        for i in range(3)
-    ]
-    force = [wrench.force[k] + f[k] * gate.push if k in row else along for k in range(3)]
-    torque = [wrench.torque[k] + t[k] * gate.push if k in column else along for k in range(3)]
-    return (
-        ArticulatedInertia(
-            rotations.symmetric(linear[:3], linear[3:]),
-            rotations.matrix(coupling),
-            rotations.symmetric(angular[:3], angular[3:]),
-        ),
-        JointWrench(ops.vector(*force), ops.vector(*torque)),
-    )
 
 
 def _outwards(

@@ -71,10 +71,11 @@ class TreeProblem:
     def base(self) -> int | None:
         """Link of the body that moves freely in all coordinates, if any."""
         tree = self.kinematics.tree
+        idle = set(self.free) - set(tree.reflected_inertias)
 
         def is_idle(link: int) -> bool:
             joint = tree.links[link].joint
-            return joint is not None and joint.name in self.free and not self._is_loaded(joint.name)
+            return joint is not None and joint.name in idle and not self._is_loaded(joint.name)
 
         return floating_base(tree, is_idle)
 

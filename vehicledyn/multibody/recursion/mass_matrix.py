@@ -29,7 +29,8 @@ def mass_matrix(
 ) -> Entries:
     """Return the entries of M between the named coordinates, both triangles, nonzero ones.
 
-    Only pairs on one branch of the tree have entries. ``inertias`` are those of the links,
+    Only pairs on one branch of the tree have entries. Reflected inertias stand on the diagonal.
+    ``inertias`` are those of the links,
     about their origins and in their axes; those of the bodies if None.
     """
     links = kinematics.tree.links
@@ -56,6 +57,9 @@ def mass_matrix(
                 columns[item.parent][name] = wrench if known is None else known.added_to(wrench)
         if isinstance(body, FlexibleInertia):
             _of_body(body.at(kinematics, link), names, entries, columns[link])
+    for name, reflected in kinematics.tree.reflected_inertias.items():
+        if name in names:
+            _enter(entries, name, name, reflected)
     return {pair: value for pair, value in entries.items() if not value.is_zero()}
 
 

@@ -64,6 +64,7 @@ def inverse_dynamics(
             _add_all(forces, shares(kinematics, link, total))
     if tree.has_deformable_bodies:
         _add_all(forces, deformation_forces(kinematics.in_lift(-gravity), of_links))
+    _add_all(forces, reflected_forces(kinematics))
     return forces, carried
 
 
@@ -75,6 +76,14 @@ def inertias_of(tree: Tree) -> list[BodyInertia]:
         else FlexibleInertia(item.flexibility)
         for item in tree.links
     ]
+
+
+def reflected_forces(kinematics: Kinematics) -> dict[str, Scalar]:
+    """Return the forces on coordinates that the inertias reflected on them need, I q̈ [N, N m]."""
+    return {
+        name: inertia * kinematics.joint_motion(name)[2]
+        for name, inertia in kinematics.tree.reflected_inertias.items()
+    }
 
 
 def deformation_forces(lifted: Kinematics, inertias: Sequence[BodyInertia]) -> dict[str, Scalar]:

@@ -20,6 +20,7 @@ from vehicledyn.multibody.recursion import inertia
 from vehicledyn.multibody.recursion.articulated_inertia import ArticulatedInertia
 from vehicledyn.multibody.recursion.forward_dynamics import TreeProblem
 from vehicledyn.multibody.recursion.mass_matrix import unit_wrench
+from vehicledyn.multibody.recursion.newton_euler import reflected_forces
 from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.elimination import Condensed, Rows, condense_symmetric
 from vehicledyn.symbolic.ops import Scalar, Vec
@@ -106,15 +107,17 @@ def condense(
     own = inertia.rigid([problem.inertias[k] for k in links])
     composite = {root: inertia.nothing(), **dict(zip(links, own, strict=True))}
     lacking = {root: JointWrench(zero, zero), **{k: needed[k] for k in links}}
+    reflected, inertial = kinematics.tree.reflected_inertias, reflected_forces(kinematics)
     for link in reversed(links):
         item, name, wrench, mine = items[link], names_of.get(link), lacking[link], columns[link]
         if name in free:
             unit = unit_wrench(kinematics, link, composite[link])
             beyond = {place: column.along(kinematics, link) for place, column in mine.items()}
-            bordered.enter(name, beyond, unit.along(kinematics, link))
+            inertia_felt = unit.along(kinematics, link) + reflected.get(name, 0.0)
+            bordered.enter(name, beyond, inertia_felt)
             _add_to(mine, {k: unit.times(entry) for k, entry in bordered.spread[name].items()})
             force = wrench.along(kinematics, link) - problem.joint_forces.get(name, 0.0)
-            bordered.push(name, force)
+            bordered.push(name, force + inertial.get(name, 0.0))
         _add_to(columns[item.parent], {k: v.in_parent(kinematics, link) for k, v in mine.items()})
         rotation, arm = kinematics.link_rotation(link), kinematics.link_arm(link)
         moved = composite[link].in_parent(kinematics.link_turns(link), arm)

@@ -81,6 +81,8 @@ def _massless_ends(
         if not moving or name in held or _mentioned(name, body, text):
             continue
         last = moving[-1]
+        if last.reflected_inertia is not None:
+            continue
         if body.mass is None:
             hanging = any(other.parent == name for other in file.bodies.values())
             what = "nothing with mass" if hanging else "nothing"
