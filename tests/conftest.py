@@ -30,6 +30,8 @@ if "VEHICLEDYN_TEST_SERVERS" not in os.environ:
     os.environ["VEHICLEDYN_TEST_SERVERS"] = _servers.name
     os.environ["VEHICLEDYN_TEST_OWNER"] = str(os.getpid())
 
+gc.disable()  # until all tests are collected: modules are no garbage
+
 os.environ["PYTHONSAFEPATH"] = "1"  # programs started by tests import the installed package too
 os.environ["MPLBACKEND"] = "agg"
 for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
@@ -75,6 +77,7 @@ def pytest_collection_finish():
     gc.collect()
     gc.freeze()
     gc.set_threshold(20_000, 20, 20)  # as the program does
+    gc.enable()
 
 
 @pytest.hookimpl(optionalhook=True)
