@@ -81,6 +81,30 @@ def test_files_are_named_after_figures_and_patterns(pair, tmp_path):
     assert [file.name for file in files] == ["chassis.y_against_chassis.x.svg"]
 
 
+def test_a_picture_file_takes_the_only_figure(pair, tmp_path):
+    target = tmp_path / "new" / "yaw.PNG"
+    assert save_requested(opened(pair), target, patterns=["chassis.y"]) == [target]
+    assert target.read_bytes().startswith(b"\x89PNG")
+    assert [file.name for file in target.parent.iterdir()] == ["yaw.PNG"]
+    (tmp_path / "a.png").mkdir()
+    files = save_requested(opened(pair), tmp_path / "a.png", patterns=["chassis.y"])
+    assert [file.name for file in files] == ["chassis.y.png", "chassis.y.svg"]
+
+
+@pytest.mark.parametrize(
+    ("name", "patterns", "formats", "message"),
+    [
+        ("yaw.png", ["loads", "chassis.y"], ("png", "svg"), r"2 figures .*\(loads, chassis\.y\)"),
+        ("yaw.jpg", ["chassis.y"], ("png", "svg"), "written as png, svg, pdf"),
+        ("yaw.png", ["chassis.y"], ("svg",), "is to be written as svg"),
+    ],
+)
+def test_other_picture_files_are_refused(pair, tmp_path, name, patterns, formats, message):
+    with pytest.raises(InputError, match=message):
+        save_requested(opened(pair), tmp_path / name, patterns=patterns, formats=formats)
+    assert not any(file.name.startswith("yaw") for file in tmp_path.iterdir())
+
+
 def test_all_channels_leave_out_their_time(pair, tmp_path):
     files = save_requested(opened(pair), tmp_path, patterns=["*"], formats=["svg"])
     assert [file.name for file in files] == ["all.svg"]

@@ -178,7 +178,13 @@ def plot(
         list[Path], typer.Argument(metavar="RESULT...", help="Result files, drawn together.")
     ],
     folder: Annotated[
-        Path | None, typer.Option("--output", "-o", help="Folder; the result's name with _plots.")
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            help="Folder, or a picture file (.png, .svg, .pdf) for a single figure; "
+            "the result's name with _plots.",
+        ),
     ] = None,
     only: Annotated[
         list[str] | None,

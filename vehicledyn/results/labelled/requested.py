@@ -14,12 +14,23 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.results.labelled.figure import draw_data, draw_standard
 from vehicledyn.results.labelled.labels import LabelledSet
 from vehicledyn.results.labelled.near_names import unknown_array
-from vehicledyn.results.plots.picture_files import check_formats, save_figures
+from vehicledyn.results.plots.picture_files import (
+    check_formats,
+    picture_kind,
+    save_figures,
+    save_picture,
+)
 from vehicledyn.results.plots.plot_style import STYLE
 from vehicledyn.results.plots.standard import figure_names, overlaid_figures
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+_FORMATS = ("png", "svg")
+"""Formats of pictures where none is asked for."""
+
+_MOST_NAMES = 12
+"""Names of figures in a message."""
 
 _LONGEST = 80
 """Letters of a file's name."""
@@ -48,16 +59,17 @@ def draw_requested(
 
 def save_requested(
     data: Mapping[str, LabelledSet],
-    folder: Path,
+    target: Path,
     *,
     patterns: Sequence[str] = (),
     against: str | None = None,
-    formats: Sequence[str] = ("png", "svg"),
+    formats: Sequence[str] = _FORMATS,
 ) -> list[Path]:
     """Draw what was asked for of results by label into picture files; return their paths.
 
     Without patterns all standard figures are drawn. Names of standard figures are drawn as these,
-    all other patterns together in one figure of arrays.
+    all other patterns together in one figure of arrays. The target is a folder, or a file where it
+    is named as a picture and one figure is drawn.
 
     Raises
     ------
@@ -67,13 +79,15 @@ def save_requested(
     check_formats(formats)
     with matplotlib.rc_context(STYLE):
         figures = list(_figures(data, patterns, against))
-    return _saved(figures, next(iter(data.values())).path, folder, formats)
+    return _saved(figures, next(iter(data.values())).path, target, formats)
 
 
 def save_standard(
-    paths: Mapping[str, Path], folder: Path, *, formats: Sequence[str] = ("png", "svg")
+    paths: Mapping[str, Path], target: Path, *, formats: Sequence[str] = _FORMATS
 ) -> list[Path]:
     """Draw all standard figures of results by label into picture files; return their paths.
+
+    The target is a folder, or a file where it is named as a picture and there is one figure.
 
     Raises
     ------
@@ -83,15 +97,34 @@ def save_standard(
     check_formats(formats)
     with matplotlib.rc_context(STYLE):
         figures = list(overlaid_figures(paths))
-    return _saved(figures, next(iter(paths.values())), folder, formats)
+    return _saved(figures, next(iter(paths.values())), target, formats)
 
 
 def _saved(
-    figures: list[tuple[str, Figure]], first: Path, folder: Path, formats: Sequence[str]
+    figures: list[tuple[str, Figure]], first: Path, target: Path, formats: Sequence[str]
 ) -> list[Path]:
+    """Save figures in a folder, or the only one in a file where the target is named as a picture.
+
+    Raises
+    ------
+    InputError
+        If there is no figure, or there are several for one file.
+    """
     if not figures:
         raise InputError(f"{first}: holds nothing to draw")
-    return save_figures(figures, folder, formats)
+    kind = picture_kind(target)
+    if kind is None:
+        return save_figures(figures, target, formats)
+    if len(figures) > 1:
+        names = ", ".join(name for name, _ in figures[:_MOST_NAMES])
+        more = ", ..." if len(figures) > _MOST_NAMES else ""
+        raise InputError(
+            f"{target}: one file, and {len(figures)} figures to draw ({names}{more}); "
+            "name a folder, or ask for one figure by its name"
+        )
+    if kind not in formats and set(formats) != set(_FORMATS):
+        raise InputError(f"{target}: is to be written as {' and '.join(formats)}; name it so")
+    return [save_picture(figures[0][1], target, kind)]
 
 
 def _figures(

@@ -19,6 +19,11 @@ if TYPE_CHECKING:
 
 _LONGEST_NAME = 100
 
+_OTHER_PICTURES = frozenset(
+    {"bmp", "emf", "eps", "gif", "jpeg", "jpg", "ps", "tif", "tiff", "webp"}
+)
+"""Endings of pictures that are not written, and that no folder is meant by."""
+
 # No dates or versions: equal results give equal pictures.
 METADATA: dict[str, dict[str, Any]] = {
     "png": {"Software": None},
@@ -55,6 +60,41 @@ def save_figures(
     except OSError as error:
         raise write_failed(folder, error) from error
     return written
+
+
+def picture_kind(target: Path) -> str | None:
+    """Return the format that a target is named as a picture file of, None for a folder.
+
+    Raises
+    ------
+    InputError
+        If the name is that of a picture in a format that is not written.
+
+    Examples
+    --------
+    >>> picture_kind(Path("yaw.PNG")), picture_kind(Path("run_plots"))
+    ('png', None)
+    """
+    kind = target.suffix[1:].lower()
+    if target.is_dir() or kind not in {*METADATA, *_OTHER_PICTURES}:
+        return None
+    if kind in _OTHER_PICTURES:
+        raise InputError(
+            f"{target}: pictures are written as {', '.join(METADATA)}; name the file so, or a folder"
+        )
+    return kind
+
+
+def save_picture(figure: Figure, target: Path, kind: str) -> Path:
+    """Save one figure as a file; an InputError says why it cannot be written."""
+    import matplotlib
+
+    try:
+        with folder_for_files(target.parent), matplotlib.rc_context(STYLE):
+            settle(figure)
+            return save(figure, target, kind)
+    except OSError as error:
+        raise write_failed(target, error) from error
 
 
 def _free_name(name: str, taken: set[str]) -> str:
