@@ -14,6 +14,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.analyses.simulation.lost_driver import lost_driver
 from vehicledyn.base.errors import InputError, VehicledynError
 from vehicledyn.base.numbers.disk_array import disk_array
 from vehicledyn.base.plugins import load_plugin, loaded_plugins, plugin_digest
@@ -21,7 +22,14 @@ from vehicledyn.base.version import FOLDER, VERSION
 from vehicledyn.integrate.batch import Cases, Samples, run_batch
 from vehicledyn.integrate.estimated_accuracy import Accuracy
 from vehicledyn.kernel.make_kernel import Backend
-from vehicledyn.results.store.study_layout import ACCURACY, DONE, ENDED, StudyBlock, StudyFigure
+from vehicledyn.results.store.study_layout import (
+    ACCURACY,
+    DONE,
+    ENDED,
+    LOST,
+    StudyBlock,
+    StudyFigure,
+)
 from vehicledyn.studies.axes import Design
 from vehicledyn.studies.load import LoadedStudy
 from vehicledyn.studies.model import Case, Model, make_model
@@ -202,11 +210,14 @@ class Worker:
             if end.ended_by:
                 block.reasons[number] = f"event '{end.ended_by}' at t = {end.time:.9g} s"
             entries = []
-            if work.figures and end.samples:
+            if model.needed and end.samples:
                 reached = slice(0, end.samples)
                 entries = model.figures(case, result.times[reached], result.samples[row][reached])
+            if not end.ended_by and (lost := lost_driver(entries)):
+                block.status[number], block.reasons[number] = LOST, lost
             block.figures[number] = [
-                StudyFigure(e.name, e.value, e.unit, e.description) for e in entries
+                StudyFigure(e.name, e.value, e.unit, e.description)
+                for e in (entries if work.figures else ())
             ]
             _note_accuracy(block, number, end.accuracy)
 

@@ -19,6 +19,7 @@ from vehicledyn.analyses.preparation.rate_determinacy import rates_watched
 from vehicledyn.analyses.preparation.runnable import Subject
 from vehicledyn.analyses.simulation.chosen_step import leaves_step, with_step
 from vehicledyn.analyses.simulation.judgement import judged_by
+from vehicledyn.analyses.simulation.lost_driver import PATH_ERROR
 from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_watched
 from vehicledyn.analyses.simulation.sunk_wheels import refuse_sunk_wheels
 from vehicledyn.base.errors import InputError, VehicledynError, nearest_name
@@ -82,6 +83,7 @@ class Model:
     batch: Batch
     kept: list[int]
     needed: list[int]
+    has_figures: bool
     reference: Reference | None
     shortcut: Shortcut | None = None
     columns: list[int] = field(init=False)
@@ -145,7 +147,7 @@ class Model:
 
     def judged(self, case: Case) -> Judged:
         """Return what the accuracy of a case is judged by: its key figures, or what is kept."""
-        if self.needed:
+        if self.has_figures:
             return judged_by(case.subject, self.prepared.equations, by_itself=False)
         known = set(watched_channels(self.prepared.equations))
         return Judged([k for k in self.kept if k in known], by_itself=False)
@@ -194,7 +196,9 @@ def make_model(
     progress("finding the point to start from", None)
     reference = find_reference(prepared, speed, kind)
     names = [c.name for c in prepared.equations.channels]
-    needed = prepared.subject.channels(prepared.equations) if figures else []
+    needed: list[str] = []
+    if figures or PATH_ERROR in names:  # who loses the car is known by its key figures
+        needed = prepared.subject.channels(prepared.equations)
     return Model(
         recipe,
         loaded,
@@ -202,6 +206,7 @@ def make_model(
         make_batch(prepared.kernel, lanes=lanes, progress=progress),
         chosen_channels(names, patterns),
         [names.index(name) for name in needed],
+        figures,
         reference,
         _find_shortcut(recipe, values, prepared, reference),
     )

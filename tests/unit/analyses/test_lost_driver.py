@@ -5,6 +5,7 @@ import pytest
 
 import vehicledyn
 from vehicledyn.cli import main
+from vehicledyn.results.store.study_reader import open_study
 
 TOO_FAST = """
 title: The small car is too fast for a bend
@@ -44,3 +45,21 @@ def test_a_run_whose_driver_lost_the_car_is_whole_and_no_success(tmp_path, capsy
     for words in (f"from its path: {time:.4g} s", f"he lost it: {way:.4g} m"):
         assert words in said
         assert words in data.status_message
+
+
+@pytest.mark.parametrize("figures", ["true", "false"])
+def test_a_case_of_a_sweep_whose_driver_lost_the_car_says_so(tmp_path, figures):
+    (tmp_path / "fast.yaml").write_text(TOO_FAST)
+    study = f"""
+title: Too fast and slow enough
+scenario: fast.yaml
+set: {{manoeuvre.speed_control: {{proportional_gain: 1 N*s, integral_gain: 1 N}}}}
+cases: {{kind: grid, vary: {{speed: [12 m/s, 30 m/s]}}}}
+output: {{interval: 20 ms, channels: [body.*], figures: {figures}}}
+"""
+    (tmp_path / "study.yaml").write_text(study)
+    data = vehicledyn.sweep(tmp_path / "study.yaml", save_to=tmp_path / "study.h5", workers=1)
+    assert data["case.status"].values.tolist() == ["done", "driver_lost"]
+    with open_study(tmp_path / "study.h5") as file:
+        assert file.counts()["driver_lost"] == 1
+        assert ("lost_at_time" in file.figures) is (figures == "true")

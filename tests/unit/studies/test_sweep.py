@@ -155,7 +155,7 @@ def test_lanes_blocks_and_resuming_change_nothing(tmp_path, study, monkeypatch):
     monkeypatch.setattr(StudyWriter, "write", stop_after_two)
     outcome = swept(study, tmp_path / "parts.h5")
     assert outcome.status == "interrupted"
-    assert outcome.counts == {"done": 16, "failed": 0, "ended": 0, "pending": 8}
+    assert outcome.counts == {"done": 16, "failed": 0, "ended": 0, "driver_lost": 0, "pending": 8}
     assert "16 of 24 cases are kept in parts.h5, continue with resume" in "\n".join(
         outcome.messages
     )
@@ -204,7 +204,7 @@ output: {{interval: 10 ms, channels: [wheel.height]}}
 """
     outcome = swept(written(tmp_path, text), tmp_path / "out.h5")
     assert (outcome.status, outcome.counts["failed"] > 0) == ("ok", True)
-    assert outcome.counts == {"done": 2, "failed": 1, "ended": 0, "pending": 0}
+    assert outcome.counts == {"done": 2, "failed": 1, "ended": 0, "driver_lost": 0, "pending": 0}
     ((case, time, reason),) = outcome.failures
     assert case == 1
     assert "is no longer a finite number after t =" in reason

@@ -13,6 +13,9 @@ if TYPE_CHECKING:
 STATUS = "driver_lost"
 """How such a run ended; its result is whole."""
 
+PATH_ERROR = "driver.path_error"
+"""Channel of a run whose driver follows a path, which he may lose."""
+
 _TIME, _PLACES = "lost_at_time", ("lost_at_x", "lost_at_distance")
 
 

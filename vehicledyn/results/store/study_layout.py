@@ -29,8 +29,8 @@ from numpy.typing import NDArray
 FORMAT = "vehicledyn-study"
 FORMAT_VERSION = 1
 
-PENDING, DONE, FAILED, ENDED = 0, 1, 2, 3
-STATUS_NAMES = ("pending", "done", "failed", "ended by an event")
+PENDING, DONE, FAILED, ENDED, LOST = 0, 1, 2, 3, 4
+STATUS_NAMES = ("pending", "done", "failed", "ended by an event", "driver_lost")
 RUNNING, OK, INTERRUPTED, STOPPED = "running", "ok", "interrupted", "failed"
 
 ACCURACY = "accuracy"

@@ -28,6 +28,7 @@ from vehicledyn.results.store.study_layout import (
     FAILED,
     FORMAT,
     FORMAT_VERSION,
+    LOST,
     OK,
     PENDING,
     RUNNING,
@@ -146,7 +147,7 @@ class StudyFile:
             return np.asarray(self._file["cases/end_time"][()])
 
     def counts(self) -> dict[str, int]:
-        """Return how many cases are pending, done, failed and ended by an event."""
+        """Return how many cases are pending, done, failed, ended by an event, and lost."""
         status = self.case_status()
         return {
             name: int((status == code).sum())
@@ -154,6 +155,7 @@ class StudyFile:
                 ("done", DONE),
                 ("failed", FAILED),
                 ("ended", ENDED),
+                ("driver_lost", LOST),
                 ("pending", PENDING),
             )
         }

@@ -26,7 +26,7 @@ from vehicledyn.results.plots.studies.study_curves import (
     grid_of,
     label_of,
 )
-from vehicledyn.results.store.study_layout import DONE, ENDED
+from vehicledyn.results.store.study_layout import DONE, ENDED, LOST
 from vehicledyn.results.store.study_reader import StudyFile
 
 if TYPE_CHECKING:
@@ -60,7 +60,7 @@ def study_figures(file: StudyFile) -> Iterator[tuple[str, Figure]]:
     their distributions and rank correlations; those that say how exact the cases are, are not.
     """
     status = file.case_status()
-    good = np.flatnonzero((status == DONE) | (status == ENDED))
+    good = np.flatnonzero(np.isin(status, (DONE, ENDED, LOST)))
     values = {n: file.figure(n)[good] for n in file.figures if n not in ACCURACY_FIGURES}
     varying = [n for n, v in values.items() if len(v) >= _FEWEST and _varies(v)][:MOST_PANELS]
     columns = {n: values[n] for n in varying}
