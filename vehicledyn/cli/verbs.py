@@ -226,11 +226,13 @@ def validate(
     wrong = OK
     for scenario in scenarios:
         try:
-            files.read_file(scenario, overrides)
+            warnings = files.read_file(scenario, overrides)
         except InputError as error:
             tell(str(error))
             wrong = code_of_error(error)
         else:
+            for warning in warnings:
+                tell(f"{scenario}: {warning}")
             emit(f"{scenario}: ok")
     raise typer.Exit(wrong)
 

@@ -12,7 +12,7 @@ from vehicledyn.analyses.handling.steady_turn import solver_for
 from vehicledyn.analyses.handling.tested_car import CONTROL, TestedCar
 from vehicledyn.base.errors import InputError
 from vehicledyn.interface.targets import read_target
-from vehicledyn.road.courses.course import CircleCourse, course_through
+from vehicledyn.road.courses.course import CircleCourse, course_through, largest_dip
 from vehicledyn.road.manoeuvres.driving_test import DrivingTest
 from vehicledyn.road.manoeuvres.kinds.path import Path
 
@@ -151,3 +151,17 @@ def test_a_car_along_a_road_of_opencrg_keeps_its_reference_line(tmp_path):
     error = np.abs(data["driver.path_error"].values)
     assert error.max() < 0.25
     assert data["chassis.yaw"].values[-1] == pytest.approx((50.0 - 20.0) / 50.0, abs=0.05)
+
+
+def test_the_dip_of_a_spline_before_a_bend_is_found():
+    x, y = np.array([0.0, 40.0, 80.0, 110.0]), np.array([0.0, 0.0, 10.0, 40.0])
+    fine = np.linspace(0.0, 40.0, 401)
+    course = course_through(x, y, along_x=True)
+    lowest = min(course.y.value(fine))
+    dip, after = largest_dip(x, y, along_x=True)
+    assert (dip, after) == (pytest.approx(-lowest, rel=2e-3), 0)
+    assert dip > 0.3
+    angles = np.linspace(0.0, 2.0 * np.pi, 9)[:-1]
+    assert largest_dip(RADIUS * np.cos(angles), RADIUS * np.sin(angles), is_closed=True)[0] == 0.0
+    near = np.concatenate([[0.0, 20.0, 38.0], x[1:]]), np.concatenate([np.zeros(3), y[1:]])
+    assert largest_dip(*near, along_x=True)[0] < 0.1 * dip

@@ -4,8 +4,10 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
+import pytest
 from crg_files import crg
 
+from vehicledyn.cli import main
 from vehicledyn.road.manoeuvres.channel_recorder import Rows
 from vehicledyn.road.manoeuvres.road_data import RoadDataWatch
 from vehicledyn.road.surfaces.enveloped import Enveloped
@@ -90,3 +92,38 @@ def test_missing_heights_are_counted_with_the_first_place(tmp_path):
         Enveloped(road=gapped(tmp_path), cam_length=0.3, cam_height=0.3).gaps()
         == gapped(tmp_path).gaps()
     )
+
+
+SCENARIO = """\
+title: A car on a road with a gap, along a path through points far apart
+model: small_car
+speed: 20 m/s
+road: {kind: opencrg, file: gap.crg}
+manoeuvre:
+  kind: path
+  xs: [0 m, 40 m, 80 m]
+  ys: [0 m, 0 m, 10 m]
+  driver: {kind: preview, preview_time: 0.5 s, lag_frequency: 20 rad/s, lag_damping: 0.8,
+    rack_stop: 50 mm}
+  speed_control: {proportional_gain: 1000 N*s, integral_gain: 300 N}
+duration: 4 s
+solver: {kind: rk4, step: 1 ms}
+output: {interval: 10 ms}
+"""
+
+
+def test_a_check_tells_missing_heights_and_a_path_that_dips(tmp_path, capsys, monkeypatch):
+    gapped(tmp_path)
+    file = tmp_path / "gap.yaml"
+    file.write_text(SCENARIO)
+    monkeypatch.setattr("sys.argv", ["vehicledyn", "validate", str(file)])
+    with pytest.raises(SystemExit) as ended:
+        main()
+    assert not ended.value.code
+    said = capsys.readouterr()
+    assert said.out.endswith("gap.yaml: ok\n")
+    first, second = said.err.splitlines()
+    assert "gap.yaml: warning: " in first
+    assert "1 of 217 height is missing, the first at u = 10 m, v = 0.5 m" in first
+    assert "gap.yaml: manoeuvre: the spline" in second
+    assert "swings 0.61 m aside between points 1 and 2" in second

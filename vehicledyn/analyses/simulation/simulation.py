@@ -23,6 +23,7 @@ from vehicledyn.analyses.preparation.prepared import Prepared, Progress
 from vehicledyn.analyses.preparation.rounded_kinks import rounded_kinks
 from vehicledyn.analyses.preparation.sources import sources_of
 from vehicledyn.analyses.simulation.animation_recorder import Recorder, surroundings_of
+from vehicledyn.analyses.simulation.cautions import cautions
 from vehicledyn.analyses.simulation.chosen_step import leaves_step, with_step
 from vehicledyn.analyses.simulation.judgement import judged_by
 from vehicledyn.analyses.simulation.kinked_drives import kinked_drives
@@ -34,7 +35,6 @@ from vehicledyn.analyses.simulation.partitions.run_notes import most_noted
 from vehicledyn.analyses.simulation.partitions.singular_turns import SingularTurns
 from vehicledyn.analyses.simulation.prepared_run import prepare_run
 from vehicledyn.analyses.simulation.restart import SINGULAR_ANGLES, Restart, open_restart
-from vehicledyn.analyses.simulation.road_gaps import road_gaps
 from vehicledyn.analyses.simulation.run_outcome import RunOutcome, kernel_message, shown_entry
 from vehicledyn.analyses.simulation.run_recording import RunRecording
 from vehicledyn.analyses.simulation.standing_wheels import standing_wheels
@@ -128,7 +128,7 @@ def run_scenario(
     notes.extend(kinked_drives(prepared.subject, loaded.scenario.duration))
     notes.extend(mended_profiles(loaded))
     notes.extend(steep_roads(loaded))
-    notes.extend(road_gaps(loaded))
+    notes.extend(cautions(loaded))
     turns = SingularTurns.of(prepared.subject.system, prepared.equations)
     needed = needed_channels(prepared)
     run = _Run(loaded, prepared, kept, needed, described, recorder, notes, turns, solver)

@@ -35,18 +35,24 @@ def read_scenario(path: Path, overrides: list[str] | None) -> LoadedScenario:
     return load_scenario(find_file(path, "scenario"), overrides or ())
 
 
-def read_file(path: Path, overrides: list[str] | None) -> None:
-    """Read a scenario, system or study file, to find what is wrong with it."""
+def read_file(path: Path, overrides: list[str] | None) -> list[str]:
+    """Read a scenario, system or study file; return what is to be known of it.
+
+    Raises
+    ------
+    InputError
+        If something is wrong with it.
+    """
     import vehicledyn.catalogue  # noqa: F401
     from vehicledyn.base.yaml import read_yaml, remembered_files
 
     path = find_file(path, "scenario", "study", "system")
     with remembered_files({}):
-        _read_as(read_yaml(path).data, path, overrides or [])
+        return _read_as(read_yaml(path).data, path, overrides or [])
 
 
-def _read_as(data: Any, path: Path, overrides: list[str]) -> None:
-    """Read a file with what reads files of its kind."""
+def _read_as(data: Any, path: Path, overrides: list[str]) -> list[str]:
+    """Read a file with what reads files of its kind, and return the warnings of a scenario."""
     from vehicledyn.files.scenario import is_system_file, load_model, load_scenario
     from vehicledyn.studies import is_study
 
@@ -73,11 +79,15 @@ def _read_as(data: Any, path: Path, overrides: list[str]) -> None:
     elif is_system_file(path):
         load_model(str(path), overrides)
     else:
+        from vehicledyn.analyses.simulation.cautions import cautions
+
         loaded = load_scenario(path, overrides)
         if loaded.asks_for_outputs:
             from vehicledyn.analyses.simulation.wanted_outputs import validate_outputs
 
             validate_outputs(loaded)
+        return cautions(loaded)
+    return []
 
 
 def _parameter_study(data: Any) -> Callable[[Path, list[str]], object] | None:

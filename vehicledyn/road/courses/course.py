@@ -142,18 +142,9 @@ def course_through(
     import numpy as np
     from scipy.interpolate import CubicSpline
 
-    x, y = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
-    if is_closed and np.hypot(x[0] - x[-1], y[0] - y[-1]) > 0.0:
-        x, y = np.append(x, x[0]), np.append(y, y[0])
-    if is_closed:
-        x[-1], y[-1] = x[0], y[0]
-    chords = np.hypot(np.diff(x), np.diff(y))
-    knots = np.concatenate([[0.0], np.cumsum(chords)])
-    order: Any = "periodic" if is_closed else "not-a-knot"
-    if along_x and not is_closed:
-        order = ((1, np.array([1.0, 0.0])), (2, np.zeros(2)))
-    curve = CubicSpline(knots, np.stack([x, y], axis=1), bc_type=order)
-    step = min(LONGEST_STEP, 0.25 * float(chords.min()))
+    curve = _spline(x, y, is_closed=is_closed, along_x=along_x)
+    knots = curve.x
+    step = min(LONGEST_STEP, 0.25 * float(np.diff(knots).min()))
     fine = np.linspace(0.0, knots[-1], min(max(int(4 * knots[-1] / step), 100), 4 * MOST_KNOTS))
     speed = np.hypot(*curve(fine, 1).T)
     middle = np.hypot(*curve(0.5 * (fine[1:] + fine[:-1]), 1).T)
@@ -171,3 +162,62 @@ def course_through(
         CurveTable.through("course heading", 0.0, width, headings),
         is_closed,
     )
+
+
+def _spline(x: Floats, y: Floats, *, is_closed: bool, along_x: bool) -> Any:
+    """Return the cubic spline through points over the length of the chords, see above."""
+    import numpy as np
+    from scipy.interpolate import CubicSpline
+
+    x, y = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
+    if is_closed and np.hypot(x[0] - x[-1], y[0] - y[-1]) > 0.0:
+        x, y = np.append(x, x[0]), np.append(y, y[0])
+    if is_closed:
+        x[-1], y[-1] = x[0], y[0]
+    chords = np.hypot(np.diff(x), np.diff(y))
+    knots = np.concatenate([[0.0], np.cumsum(chords)])
+    order: Any = "periodic" if is_closed else "not-a-knot"
+    if along_x and not is_closed:
+        order = ((1, np.array([1.0, 0.0])), (2, np.zeros(2)))
+    return CubicSpline(knots, np.stack([x, y], axis=1), bc_type=order)
+
+
+def largest_dip(
+    x: Floats, y: Floats, *, is_closed: bool = False, along_x: bool = False
+) -> tuple[float, int]:
+    """Return how far a spline swings aside where its points do not bend, and behind which point.
+
+    Between two points at which their polygon bends to one side a path bulges to the other; between
+    bends to both sides it crosses over. All else is a dip: of the wrong side, or any beside a
+    point where the polygon goes straight on. Parameters as of :func:`course_through`; the distance
+    in m, the point counted from 0.
+    """
+    import numpy as np
+
+    curve = _spline(x, y, is_closed=is_closed, along_x=along_x)
+    places = curve(curve.x)
+    chords = np.diff(places, axis=0)
+    headings = np.arctan2(chords[:, 1], chords[:, 0])
+    if is_closed:
+        turns = np.diff(np.concatenate([headings[-1:], headings, headings[:1]]))
+    else:
+        inner = np.diff(headings)
+        ends = inner[[0, -1]] if len(inner) else np.zeros(2)
+        start = headings[0] if along_x else ends[0]
+        turns = np.concatenate([[start], inner, ends[1:]])
+    turns = np.arctan2(np.sin(turns), np.cos(turns))
+    bends = np.where(np.abs(turns) < _STRAIGHT_ON, 0.0, np.sign(turns))
+    parts = (np.arange(_DIP_SAMPLES) + 0.5) / _DIP_SAMPLES
+    worst = 0.0, 0
+    for k, chord in enumerate(chords):
+        seen = curve(curve.x[k] + parts * (curve.x[k + 1] - curve.x[k])) - places[k]
+        aside = (chord[0] * seen[:, 1] - chord[1] * seen[:, 0]) / np.hypot(*chord)
+        before, after = bends[k], bends[k + 1]
+        wrong = before * aside if before == after != 0.0 else np.abs(aside)
+        dip = 0.0 if before * after < 0.0 else float(wrong.max())
+        worst = max(worst, (dip, k))
+    return worst
+
+
+_STRAIGHT_ON, _DIP_SAMPLES = 1e-3, 20
+"""Angle between chords that counts as none [rad], and samples between two points."""

@@ -26,6 +26,9 @@ if TYPE_CHECKING:
 
 _MOST_SPEEDS = 100
 
+_TOLD_DIP = 0.05
+"""Swing of the spline aside from which on it is told, a third of a tyre's width [m]."""
+
 
 @register("manoeuvre", "path")
 class Path(CourseTest):
@@ -34,7 +37,8 @@ class Path(CourseTest):
     A cubic spline goes through the points ``xs``, ``ys``; without points the path is the reference
     line of the scenario's OpenCRG road. It begins at the origin along x, where the car starts (a
     spline whose first two points lead that way within 30 degrees begins exactly along x), and
-    goes straight on beyond its end, or round and round if closed. The target speed is a polygon
+    goes straight on beyond its end, or round and round if closed. A spline through points far apart
+    swings aside before a bend; a note says by how much. The target speed is a polygon
     over the distance along the path, without ``speeds`` that of the start. The summary has the
     distance reached, the largest distance from path and target speed, the time at the end of the
     path and where the driver lost the car.
@@ -83,9 +87,12 @@ class Path(CourseTest):
         from vehicledyn.road.surfaces.opencrg import OpenCrgRoad
 
         if self.xs:
-            x, y = np.array(self.xs), np.array(self.ys)
-            ahead = abs(math.atan2(y[1] - y[0], x[1] - x[0])) < ASKEW
-            return course_through(x, y, is_closed=self.closed, along_x=ahead)
+            return course_through(
+                np.array(self.xs),
+                np.array(self.ys),
+                is_closed=self.closed,
+                along_x=self._begins_along_x(),
+            )
         if not isinstance(vehicle.surface, OpenCrgRoad):
             raise InputError(
                 "manoeuvre: a path needs points (xs, ys), or a road of the kind 'opencrg' whose "
@@ -95,6 +102,28 @@ class Path(CourseTest):
         stride = max(round(_SPACING / line.step), 1)
         kept = np.unique(np.append(np.arange(0, len(line.x), stride), len(line.x) - 1))
         return course_through(line.x[kept], line.y[kept])
+
+    def _begins_along_x(self) -> bool:
+        return abs(math.atan2(self.ys[1] - self.ys[0], self.xs[1] - self.xs[0])) < ASKEW
+
+    def caution(self) -> str:
+        """Return where the spline swings aside between points that do not bend so, else ""."""
+        import numpy as np
+
+        from vehicledyn.road.courses.course import largest_dip
+
+        if not self.xs:
+            return ""
+        x, y = np.array(self.xs), np.array(self.ys)
+        dip, at = largest_dip(x, y, is_closed=self.closed, along_x=self._begins_along_x())
+        if dip < _TOLD_DIP:
+            return ""
+        after = (at + 1) % len(self.xs)
+        return (
+            f"manoeuvre: the spline through the points swings {dip:.2g} m aside between points "
+            f"{at + 1} and {after + 1}, whose straight lines do not bend so; more points there "
+            "keep it straight"
+        )
 
     def target_speed(
         self, vehicle: RoadVehicle, change: Callable[[Scalar], Scalar]
