@@ -113,10 +113,12 @@ def test_nothing_is_overwritten(tmp_path):
         write_start(tmp_path / "system.schema.json" / "below", "road")
 
 
-def test_models_are_written_with_the_line(tmp_path):
+def test_models_are_written_with_the_line_and_read_again(tmp_path):
     for model in ("iltis", str(ROOT / "systems" / "quarter_car.yaml")):
         text = run(["vehicledyn", "models", "show", model, "--yaml"], tmp_path)
         assert LINE.match(text)[1] == "system.schema.json"
+        (tmp_path / "written.yaml").write_text(text, encoding="utf-8")
+        assert run(["vehicledyn", "validate", "written.yaml"], tmp_path) == "written.yaml: ok\n"
 
 
 def completed(*words, shell="bash"):

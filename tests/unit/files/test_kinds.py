@@ -103,8 +103,8 @@ def test_reflected_inertia(tmp_path):
 
     own = ", reflected_inertia: "
     with_own = read(f"{own}4 * rotor", f"{own}2 kg*m^2", f"{own}3 kg")
-    for number in (20.0, 2.0, 3.0):
-        assert system_as_yaml(with_own).count(f"reflected_inertia: {number}}}") == 2
+    for number, unit in ((20.0, "kg*m^2"), (2.0, "kg*m^2"), (3.0, "kg")):
+        assert system_as_yaml(with_own).count(f"reflected_inertia: {number} {unit}}}") == 2
     rates = {f"{side}__{name}_rate": 1.0 for side in ("left", "right") for name in "abc"}
     plain, one = (Motion(derive(made)).at(**rates) for made in (read("", "", ""), with_own))
     assert one["energy.kinetic"] - plain["energy.kinetic"] == pytest.approx(20.0 + 3.0 + 2.0)

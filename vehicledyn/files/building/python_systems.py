@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, is_dataclass
 from typing import Any
 
 from vehicledyn.files.building.write import SCHEMA_LINE, dump
@@ -24,12 +24,21 @@ _KINDS = {BallCut: "ball", RodCut: "rod", BodyCut: "body"}
 
 
 def system_as_yaml(system: System) -> str:
-    """Return a system file of a system's bodies, joints and cuts with numbers.
+    """Return a system file of a system's bodies, joints and cuts, with numbers and their units.
 
     Parameters are replaced by their values. What a file cannot say, such as a force law that is
     a Python function, is listed in comments at the end.
     """
     return _Writer(system).text()
+
+
+def with_unit(value: float, unit: str) -> str | float:
+    """Return a number as files write it; zero and pure numbers have no unit.
+
+    >>> with_unit(-9.81, "m/s^2"), with_unit(0.0, "m"), with_unit(0.5, "1")
+    ('-9.81 m/s^2', 0.0, 0.5)
+    """
+    return value if value == 0.0 or unit in ("", "1") else f"{value!r} {unit}"
 
 
 @dataclass
@@ -43,7 +52,7 @@ class _Writer:
         data: dict[str, Any] = {
             "title": self.system.name,
             "description": "Written from a Python model, with the values of its parameters.",
-            "gravity": self._numbers(self.system.gravity),
+            "gravity": self._measured(self.system.gravity, "m/s^2"),
             "bodies": {body.name: self._body(body) for body in self.system.bodies},
         }
         if self.system.constraint_method != "auto":
@@ -60,7 +69,7 @@ class _Writer:
 
     def _body(self, body: Body) -> dict[str, Any]:
         written: dict[str, Any] = {"parent": body.parent}
-        at = self._numbers(body.at)
+        at = self._measured(body.at, "m")
         if any(at):
             written["at"] = at
         joints = [entry for item in body.joints for entry in self._joint(item, body.joints)]
@@ -68,8 +77,9 @@ class _Writer:
             written["joints"] = joints
         if body.mass is None:
             return written
-        written["mass"] = self._numbers([body.mass])[0]
-        com, inertia = self._numbers(body.com), self._numbers(body.inertia)
+        written["mass"] = self._one(body.mass, "kg")
+        com = self._measured(body.com, "m")
+        inertia = self._measured(body.inertia, "kg*m^2")
         if any(com):
             written["com"] = com
         written["inertia"] = inertia if any(inertia[3:]) else inertia[:3]
@@ -83,19 +93,27 @@ class _Writer:
         if isinstance(item, Turn):
             angles = rotations.tait_bryan(item.rotation, (3, 2, 1))
             pairs = zip((3, 2, 1), self._numbers(angles), strict=True)
-            return [{"kind": "turn", "axis": k, "angle": a} for k, a in pairs if abs(a) > _SMALL]
+            return [
+                {"kind": "turn", "axis": k, "angle": with_unit(a, "rad")}
+                for k, a in pairs
+                if abs(a) > _SMALL
+            ]
         if item.siblings:
             return self._elements(item, joints)
         written: dict[str, Any] = {"kind": item.kind, "name": item.name}
+        entries = fields(item.type) if is_dataclass(item.type) else ()
+        declared = {entry.name: entry for entry in entries}
         for name, value in item.settings.items():
-            is_plain = isinstance(value, str | int)
-            written[name] = value if is_plain else self._numbers([value])[0]
-        written |= {"start": item.start} if item.start else {}
-        written |= {"start_rate": item.start_rate} if item.start_rate else {}
+            unit = declared[name].metadata.get("unit")
+            written[name] = value if unit is None else self._one(value, unit)
+        start, rate = item.start, item.start_rate
+        written |= {"start": with_unit(start, item.unit)} if start else {}
+        written |= {"start_rate": with_unit(rate, f"{item.unit}/s")} if rate else {}
         if not ops.is_structurally_zero(item.reflected_inertia):
             reflected = self._numbers([item.reflected_inertia])[0]
             if reflected > 0.0:
-                written["reflected_inertia"] = reflected
+                unit = "kg*m^2" if item.unit == "rad" else "kg"
+                written["reflected_inertia"] = with_unit(reflected, unit)
             else:
                 self.left_out.append(f"the reflected inertia {reflected:g} of '{item.name}'")
         written |= {"role": item.role} if item.role != "auto" else {}
@@ -106,11 +124,9 @@ class _Writer:
         if item.type.element > 0:
             return []
         own = {j.name: j for j in joints if isinstance(j, Joint) and j.siblings == item.siblings}
-        start = [own[name].start for name in item.positions]
-        return [
-            {"kind": item.kind, "start": start}
-            | {"start_rate": [own[name].start_rate for name in item.speeds]}
-        ]
+        start = [with_unit(own[n].start, own[n].unit) for n in item.positions]
+        rates = [with_unit(own[n].start_rate, own[n].unit) for n in item.speeds]
+        return [{"kind": item.kind, "start": start, "start_rate": rates}]
 
     def _cut(self, cut: Any, written: dict[str, Any]) -> None:
         kind = _KINDS.get(type(cut))
@@ -118,25 +134,27 @@ class _Writer:
             self._leave(cut)
             return
         ends = {
-            "a": {"body": cut.body_a, "point": self._numbers(cut.point_a)},
-            "b": {"body": cut.body_b, "point": self._numbers(cut.point_b)},
+            "a": {"body": cut.body_a, "point": self._measured(cut.point_a, "m")},
+            "b": {"body": cut.body_b, "point": self._measured(cut.point_b, "m")},
         }
-        length = {"length": self._numbers([cut.length])[0]} if isinstance(cut, RodCut) else {}
+        length = {"length": self._one(cut.length, "m")} if isinstance(cut, RodCut) else {}
         written[cut.name] = {"kind": kind, **ends, **length}
 
     def _parts(self, sections: dict[str, dict[str, Any]]) -> None:
         sensors = sections["sensors"]
+        units = {joint.name: joint.unit for joint in self.system.joints()}
         for part in self.system.parts:
             if isinstance(part, ConstantRate):
-                law = {"kind": "constant_rate", "rate": self._numbers([part.rate])[0]}
+                rate = self._one(part.rate, f"{units[part.coordinate]}/s")
+                law = {"kind": "constant_rate", "rate": rate}
                 sections["drives"][part.name] = {"coordinate": part.coordinate, "law": law}
             elif isinstance(part, BodySensor):
                 sensors[part.name] = {"kind": "body", "body": part.body}
             elif isinstance(part, Accelerometer):
-                point = self._numbers(part.point)
+                point = self._measured(part.point, "m")
                 sensors[part.name] = {"kind": "accelerometer", "body": part.body, "point": point}
             elif isinstance(part, FloorSensor | SeatSensor):
-                kind, point = "seat" if part.is_seat else "floor", self._numbers(part.point)
+                kind, point = "seat" if part.is_seat else "floor", self._measured(part.point, "m")
                 sensors[part.name] = {"kind": kind, "body": part.body, "point": point}
             elif isinstance(part, SequenceSensor):
                 sequence = list(part.sequence)
@@ -146,6 +164,14 @@ class _Writer:
 
     def _leave(self, part: Any) -> None:
         self.left_out.append(f"'{part.name}', a {type(part).__name__} written in Python")
+
+    def _one(self, item: Any, unit: str) -> str | float:
+        """Return the value of a scalar with its unit, see :func:`with_unit`."""
+        return self._measured([item], unit)[0]
+
+    def _measured(self, items: Any, unit: str) -> list[str | float]:
+        """Return the values of scalars with their unit, see :func:`with_unit`."""
+        return [with_unit(value, unit) for value in self._numbers(items)]
 
     def _numbers(self, items: Any) -> list[float]:
         """Return the values of scalars with the system's parameters."""
