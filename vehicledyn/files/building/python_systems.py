@@ -14,6 +14,7 @@ from vehicledyn.multibody.elements.motion_sensors import (
     SeatSensor,
     SequenceSensor,
 )
+from vehicledyn.multibody.joints.joint_type import JointType
 from vehicledyn.multibody.model.bodies import Body, Joint, Turn
 from vehicledyn.multibody.model.cuts import BallCut, BodyCut, RodCut
 from vehicledyn.multibody.model.system import System
@@ -39,6 +40,12 @@ def with_unit(value: float, unit: str) -> str | float:
     ('-9.81 m/s^2', 0.0, 0.5)
     """
     return value if value == 0.0 or unit in ("", "1") else f"{value!r} {unit}"
+
+
+def _units_of_settings(of: JointType) -> dict[str, str]:
+    """Return the SI units of the settings of a joint that are numbers."""
+    declared = fields(of) if is_dataclass(of) else ()
+    return {f.name: f.metadata["unit"] for f in declared if "unit" in f.metadata}
 
 
 @dataclass
@@ -101,11 +108,9 @@ class _Writer:
         if item.siblings:
             return self._elements(item, joints)
         written: dict[str, Any] = {"kind": item.kind, "name": item.name}
-        entries = fields(item.type) if is_dataclass(item.type) else ()
-        declared = {entry.name: entry for entry in entries}
+        units = _units_of_settings(item.type)
         for name, value in item.settings.items():
-            unit = declared[name].metadata.get("unit")
-            written[name] = value if unit is None else self._one(value, unit)
+            written[name] = self._one(value, units[name]) if name in units else value
         start, rate = item.start, item.start_rate
         written |= {"start": with_unit(start, item.unit)} if start else {}
         written |= {"start_rate": with_unit(rate, f"{item.unit}/s")} if rate else {}

@@ -80,7 +80,8 @@ def picture_kind(target: Path) -> str | None:
         return None
     if kind in _OTHER_PICTURES:
         raise InputError(
-            f"{target}: pictures are written as {', '.join(METADATA)}; name the file so, or a folder"
+            f"{target}: pictures are written as {', '.join(METADATA)}; "
+            "name the file so, or a folder"
         )
     return kind
 
