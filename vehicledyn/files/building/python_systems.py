@@ -14,7 +14,6 @@ from vehicledyn.multibody.elements.motion_sensors import (
     SeatSensor,
     SequenceSensor,
 )
-from vehicledyn.multibody.joints.joint_type import JointType
 from vehicledyn.multibody.model.bodies import Body, Joint, Turn
 from vehicledyn.multibody.model.cuts import BallCut, BodyCut, RodCut
 from vehicledyn.multibody.model.system import System
@@ -42,8 +41,8 @@ def with_unit(value: float, unit: str) -> str | float:
     return value if value == 0.0 or unit in ("", "1") else f"{value!r} {unit}"
 
 
-def _units_of_settings(of: JointType) -> dict[str, str]:
-    """Return the SI units of the settings of a joint that are numbers."""
+def _units_of_settings(of: Any) -> dict[str, str]:
+    """Return the SI units of the settings of a type of joint that are numbers."""
     declared = fields(of) if is_dataclass(of) else ()
     return {f.name: f.metadata["unit"] for f in declared if "unit" in f.metadata}
 
