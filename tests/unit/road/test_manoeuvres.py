@@ -12,6 +12,7 @@ from vehicledyn.analyses import run_scenario
 from vehicledyn.base.registry import find, kinds
 from vehicledyn.files.scenario import load_scenario
 from vehicledyn.results.store.reader import open_result
+from vehicledyn.road.manoeuvres.channel_recorder import Recording
 from vehicledyn.road.standards.signals import Signals
 
 pytestmark = pytest.mark.long
@@ -66,8 +67,8 @@ def test_manoeuvre_runs_and_says_what_it_writes(tmp_path, kind):
         assert (turned > 1e-4) == (kind not in UNSTEERED)
 
 
-@pytest.mark.parametrize("has_air", [True, False])
-def test_coast_down_finds_the_resistance_that_slows_a_car(has_air):
+@pytest.mark.parametrize("air_by", ["part", "force", ""])
+def test_coast_down_finds_the_resistance_that_slows_a_car(air_by):
     """v = √(d₀/d₂) tan(φ₀ - √(d₀ d₂) t) is the solution of v' = -d₀ - d₂ v²."""
     rolling, air, time = 0.12, 4e-4, np.arange(0.0, 60.0, 0.1)
     root = np.sqrt(rolling * air)
@@ -75,12 +76,22 @@ def test_coast_down_finds_the_resistance_that_slows_a_car(has_air):
     speed = np.sqrt(rolling / air) * np.tan(angle - root * np.maximum(time - 0.6, 0.0))
     names = [field.name for field in fields(Signals)]
     seen = Signals(**dict.fromkeys(names, 0.0 * time) | {"time": time, "forward_speed": speed})
-    parts = [object.__new__(find("element_type", "air_drag"))] if has_air else []
-    vehicle = SimpleNamespace(system=SimpleNamespace(parts=parts))
-    entries = find("manoeuvre", "coast_down")().quantities(seen, None, vehicle)
+    has_part, mass = air_by == "part", 1200.0
+    parts = [object.__new__(find("element_type", "air_drag"))] if has_part else []
+    gravity = SimpleNamespace(parts=parts, gravity=(0.0, 0.0, -9.81))
+    corners = (SimpleNamespace(name="wheel"),)
+    vehicle = SimpleNamespace(system=gravity, corners=corners, worth=float)
+    # Without air the tyres alone slow the car, however their resistance grows.
+    tyres = -mass * (rolling + (0.0 if air_by else air) * speed**2)
+    channels = {
+        "wheel.tyre.longitudinal_force": tyres,
+        "wheel.tyre.normal_force": np.full_like(time, mass * 9.81),
+    }
+    recording = Recording(time, channels)
+    entries = find("manoeuvre", "coast_down")().quantities(seen, recording, vehicle)
     found = {entry.name: entry.value for entry in entries}
     assert found["rolling_deceleration"] == pytest.approx(rolling, rel=1e-5)
-    assert found.get("air_deceleration") == (pytest.approx(air, rel=1e-5) if has_air else None)
+    assert found.get("air_deceleration") == (pytest.approx(air, rel=1e-5) if air_by else None)
     way = np.log(np.cos(angle - root * 59.3) / np.cos(angle)) / air
     assert found["rolled_distance"] == pytest.approx(way, rel=1e-5)
 
