@@ -74,6 +74,7 @@ def measured(
     nature: str = "scalar",
     least: float | None = None,
     above: float | None = None,
+    most: float | None = None,
     variables: str = "",
 ) -> Any:
     """Declare a field that holds an expression.
@@ -92,14 +93,14 @@ def measured(
         How a mirror image changes it: "scalar" (not at all), "polar" (a place or force),
         "axial" (a torque), "inertia" (six elements), "diagonal" (three numbers along the axes,
         not at all).
-    least, above
-        Bounds of the value: not less than, or greater than.
+    least, above, most
+        Bounds of the value: not less than, greater than, not more than.
     variables
         Names it may use besides parameters: "" none, "time", "law" (length and rate), "motion"
         (time and all coordinates and rates), "force" (these and position and rate).
     """
     extra = {"measure": unit, "nature": nature, "variables": variables}
-    bounds = {"least": least, "above": above}
+    bounds = {"least": least, "above": above, "most": most}
     known = {name: value for name, value in bounds.items() if value is not None}
     return Field(default=default, description=description, json_schema_extra={**extra, **known})
 

@@ -36,6 +36,7 @@ class EventSet(SystemSet):
         "the gradient of 'when'",
         default=None,
         least=0.0,
+        most=1.0,
     )
     reset: dict[str, Scalar] = Field(
         default_factory=dict,

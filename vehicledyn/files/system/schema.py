@@ -23,8 +23,8 @@ from vehicledyn.files.system.places import Place
 from vehicledyn.files.system.sets import SystemFile
 
 _OWN = ("cut", "constraint", "sensor", "element", "shape")
-_FACTS = ("measure", "nature", "variables", "least", "above", "names", "expressions", "no_ground",
-          "turns_with", "is_file", "written")  # fmt: skip
+_FACTS = ("measure", "nature", "variables", "least", "above", "most", "names", "expressions",
+          "no_ground", "turns_with", "is_file", "written")  # fmt: skip
 _INDEX = {
     "anyOf": [{"type": "array", "items": {"type": ["integer", "string"]}}, {"type": "object"}]
 }

@@ -34,6 +34,7 @@ class Found:
     above: float | None
     length: str
     points: tuple[str, ...]
+    most: float | None = None
 
 
 @dataclass(frozen=True)
@@ -118,6 +119,7 @@ def _expressions(item: ParameterSet, name: str, place: Place, units: _Units) -> 
             fact(type(item), name, "above"),
             units.length,
             units.points,
+            fact(type(item), name, "most"),
         )
 
 

@@ -31,6 +31,7 @@ def number(
     default: Any = MISSING,
     least: float | None = None,
     above: float | None = None,
+    most: float | None = None,
     nature: Nature = "scalar",
     turns_with: tuple[str, ...] = (),
 ) -> Any:
@@ -44,15 +45,15 @@ def number(
         Meaning, one phrase.
     default
         Number where nothing is said; without it the field is required.
-    least, above
-        Bounds: not less than, or greater than.
+    least, above, most
+        Bounds: not less than, greater than, not more than.
     nature
         How a mirror image changes it.
     turns_with
         Fields with names of coordinates: a mirror image that turns one of them round changes the
         sign of the number; or of a flag, whether it is set.
     """
-    facts = {"least": least, "above": above, "turns_with": turns_with or None}
+    facts = {"least": least, "above": above, "most": most, "turns_with": turns_with or None}
     return _declared(default, "number", description, measure=unit, nature=nature, **facts)
 
 
@@ -148,13 +149,15 @@ def out_of_bounds(item: Any) -> Iterator[str]:
         if facts.get("declared") != "number" or not isinstance(value, int | float):
             continue
         unit = "" if facts["measure"] in ("", "1") else f" {facts['measure']}"
-        above, least = facts.get("above"), facts.get("least")
+        above, least, most = (facts.get(word) for word in ("above", "least", "most"))
         if math.isnan(value):
             yield f"{known.name}: is no number"
         elif above is not None and not value > above:
             yield f"{known.name}: must be greater than {above:g}{unit}, is {value:g}"
         elif least is not None and not value >= least:
             yield f"{known.name}: must be at least {least:g}{unit}, is {value:g}"
+        elif most is not None and not value <= most:
+            yield f"{known.name}: must be at most {most:g}{unit}, is {value:g}"
 
 
 def _declared(default: Any, what: str, description: str, **facts: Any) -> Any:

@@ -251,10 +251,13 @@ def _bounds(item: Found, known: _Known) -> Problems:
     except ExpressionError as error:
         yield item.place, str(error)
         return
+    unit = "" if item.unit in ("", "1") else f" {item.unit}"
     if item.above is not None and not value > item.above:
-        yield item.place, f"must be greater than {item.above:g} {item.unit}, is {value:g}"
+        yield item.place, f"must be greater than {item.above:g}{unit}, is {value:g}"
     if item.least is not None and not value >= item.least:
-        yield item.place, f"must be at least {item.least:g} {item.unit}, is {value:g}"
+        yield item.place, f"must be at least {item.least:g}{unit}, is {value:g}"
+    if item.most is not None and not value <= item.most:
+        yield item.place, f"must be at most {item.most:g}{unit}, is {value:g}"
     if item.place[0] == "initial" or item.place[-1] in ("start", "start_rate"):
         yield from _vague_start(item, float(value))
 

@@ -245,7 +245,7 @@ class RigidContact(ContactPart):
     """
 
     restitution: Scalar = number(
-        "1", "Coefficient of restitution e at impacts", default=0.0, least=0.0
+        "1", "Coefficient of restitution e at impacts", default=0.0, least=0.0, most=1.0
     )
     rest_speed: Scalar = number(
         "m/s", "Rebound speed below which an impact ends in contact", default=1e-3, above=0.0
