@@ -100,6 +100,13 @@ class Expression:
 
     root: Node
 
+    @classmethod
+    def __get_pydantic_core_schema__(cls, source: Any, handler: Any) -> Any:
+        """Say that a field takes any expression as it is, which spares looking into all steps."""
+        from pydantic_core import core_schema
+
+        return core_schema.is_instance_schema(cls)
+
     def __str__(self) -> str:
         """Return the expression as text."""
         return str(self.root)
