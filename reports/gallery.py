@@ -151,6 +151,9 @@ PICTURES = {
     "small_cart": Picture(("cart.x", "mass.x"), "m", "Cart and pendulum: x"),
     "small_cart_2": Picture(("load.slide",), "mm", "Load against the cart"),
     "screw_jack": Picture(("nut.turn_rate",), "rad/s", "Speed of the spindle"),
+    "split_braking": Picture(("steering_angle.angle", "chassis.yaw"), "deg", "Angle"),
+    "swept_sine": Picture(("steering_angle.angle", "chassis.roll"), "deg", "Angle"),
+    "swept_steer": Picture(("accelerometer.lateral",), "m/s^2", "Lateral acceleration"),
     "t_handle": Picture(
         tuple(f"handle.omega_{axis}" for axis in "xyz"), "rad/s", "Angular velocity"
     ),

@@ -41,7 +41,7 @@ def test_no_reference_without_scenario(scenarios, folder):
 @pytest.mark.parametrize("scenario", [*VEHICLES, *SYSTEMS], ids=lambda path: path.stem)
 def test_reference_belongs_to_the_scenario(scenario):
     is_small = scenario in SYSTEMS and scenario.stem not in OF_SEVERAL_FILES
-    largest_size = 70_000 if is_small else 160_000
+    largest_size = 100_000 if is_small else 160_000
     fewest_channels = 3 if OF_SYSTEM.search(scenario.read_text()) else 10
     file = FOLDER / scenario.relative_to(SCENARIOS).with_suffix(".h5")
     assert file.stat().st_size < largest_size

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Regenerate the references of all scenarios, or of those named: update.sh [scenarios/a.yaml ...]
-# Few channels and samples keep each below 160 kB, those of systems in one file below 70 kB. VEHICLEDYN names
+# Few channels and samples keep each below 160 kB, those of systems in one file below 100 kB. VEHICLEDYN names
 # the program to use, PYTHON the Python it is installed in.
 set -euo pipefail
 cd "$(dirname "$0")/../.."

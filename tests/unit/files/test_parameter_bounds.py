@@ -38,6 +38,8 @@ def test_bounds_are_numbers_of_the_same_unit(bound):
     [
         ("sedan", "driveline.ratio", "0"),
         ("front_wheel_drive_car", "transaxle.ratio", "-4"),
+        ("automatic_sedan", "gearbox.ratios.third", "0"),
+        ("manual_sedan", "gearbox.ratios.sixth", "0"),
         ("sedan", "driveline.cage.inertia", "-1 kg*m^2"),
         ("sedan", "driveline.clutch.torque", "-10 N*m"),
         ("controlled_sedan", "brakes.wheel_radius", "0 m"),
