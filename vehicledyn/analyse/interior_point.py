@@ -60,6 +60,26 @@ class NonlinearProgram:
     hessian: Callable[[Floats, float, Floats], Floats] | None = None
     bends: Pattern | None = None
 
+    def gap(self, x: Floats, constraints: Floats, multipliers: tuple[Floats, Floats]) -> float:
+        """Return by how much bounds that do not act yet keep the objective from its least.
+
+        To first order: the products of multipliers, those of the variables (n,) and of the
+        constraints (m,), and distances to the bounds.
+        """
+        total = 0.0
+        pairs = (x, self.bounds, multipliers[0]), (constraints, self.limits, multipliers[1])
+        for values, (low, high), multiplier in pairs:
+            distance = np.where(multiplier > 0.0, high - values, values - low)
+            acts = np.isfinite(distance) & (high > low)
+            total += float(np.abs(multiplier[acts]) @ np.maximum(distance[acts], 0.0))
+        return total
+
+    @property
+    def n_gaps(self) -> int:
+        """Number of bounds."""
+        pairs = self.bounds, self.limits
+        return sum(int((np.isfinite(end) & (p[0] < p[1])).sum()) for p in pairs for end in p)
+
     def violation(self, constraints: Floats) -> float:
         """Return the largest violation of a constraint."""
         low, high = self.limits
@@ -79,8 +99,8 @@ class Found:
     iterations: int
 
 
-Seen = Callable[[int, Floats, float, Floats], object]
-"""Called after each iteration with its number, variables, objective and constraints."""
+Seen = Callable[[int, Floats, float, Floats, float], object]
+"""Called after each iteration with its number, variables, objective, constraints and gap."""
 
 
 def minimise(
@@ -211,7 +231,8 @@ def _observer(program: NonlinearProgram, guard: _Guard, seen: Seen | None) -> An
         if guard.error is None and seen is not None:
             at = dict(zip(names, given, strict=True))
             try:
-                seen(next(count), at["x"], float(at["f"][0]), at["g"])
+                gap = program.gap(at["x"], at["g"], (at["lam_x"], at["lam_g"]))
+                seen(next(count), at["x"], float(at["f"][0]), at["g"], gap)
             except (Exception, KeyboardInterrupt) as error:  # crosses C++ code
                 guard.error = error
         return [np.array([float(guard.error is not None)])]

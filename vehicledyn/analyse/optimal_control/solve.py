@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.analyse.interior_point import minimise
+from vehicledyn.analyse.interior_point import Seen, minimise
+from vehicledyn.analyse.optimal_control.standstill import Iterate, Standstill, StandstillError
 from vehicledyn.analyse.optimal_control.trajectory import Trajectory
 from vehicledyn.analyse.optimal_control.transcription import PointModel, Program
 from vehicledyn.analyse.optimal_control.whole_program import whole_program
@@ -30,12 +32,17 @@ _ENDS = {
 _FEASIBLE = 1e-6
 """By how much scaled constraints may be missed, however vague the optimum may be."""
 
+_GAP, _SMALLER = 1e-3, 0.1
+"""Part of the objective up to which a search that circles may be from its least, to first order,
+and by how much the barrier gets smaller where it is more."""
+
 
 @dataclass(frozen=True)
 class Solution:
     """A trajectory, its objective, and how the search ended; ``failure`` is empty if well.
 
     ``violation`` is the largest scaled one of a constraint, ``iterations`` those of all meshes.
+    A search that circled has a ``gap``: by so much the objective may be from its least.
     """
 
     trajectory: Trajectory
@@ -43,6 +50,7 @@ class Solution:
     iterations: int
     violation: float
     failure: str
+    gap: float | None = None
 
 
 Watch = Callable[[int, float, float, Callable[[], Trajectory]], None]
@@ -68,18 +76,55 @@ class Settings:
 
 
 def solve_on_mesh(model: PointModel, guess: Trajectory, settings: Settings) -> Solution:
-    """Return the optimum of a problem on the mesh of a guess, where the search begins."""
+    """Return the optimum of a problem on the mesh of a guess, where the search begins.
+
+    A search that circles goes on from the motion that it circles about, with a smaller barrier,
+    until what the barrier may keep from the objective is small.
+    """
     made = Program(model, guess.mesh, settings.scales)
     program = whole_program(made.rows, made.bounds())
+    start, spent, barrier = np.clip(made.layout.of(guess), *program.bounds), 0, settings.barrier
 
-    def seen(number: int, variables: Floats, objective: float, constraints: Floats) -> None:
-        def at() -> Trajectory:
-            return made.layout.trajectory(variables, guess.mesh)
+    def seen_by(still: Standstill, before: int) -> Seen:
+        def seen(number: int, variables: Floats, objective: float, *more: Any) -> None:
+            violation, gap = program.violation(more[0]), more[1]
+            at = partial(made.layout.trajectory, variables, guess.mesh)
+            settings.watch(before + number, objective, violation, at)
+            if not settings.kept_barrier:
+                still.look(Iterate(variables, objective, violation, gap))
 
-        settings.watch(number, objective, program.violation(constraints), at)
+        return seen
 
+    while True:
+        still = Standstill(_FEASIBLE)
+        try:
+            seen = seen_by(still, spent)
+            found = minimise(program, start, _options(settings, barrier, spent), seen)
+        except StandstillError:
+            best, spent = still.best, spent + still.count
+            assert best is not None
+            least = _GAP * abs(best.objective)
+            if best.gap <= least or spent >= settings.most_iterations:
+                failure = "" if best.gap <= least else _ENDS["Maximum_Iterations_Exceeded"]
+                trajectory = made.layout.trajectory(best.variables, guess.mesh)
+                return Solution(
+                    trajectory, best.objective, spent, best.violation, failure, best.gap
+                )
+            start, barrier = best.variables, _SMALLER * best.gap / program.n_gaps
+            continue
+        return Solution(
+            made.layout.trajectory(found.variables, guess.mesh),
+            found.objective,
+            spent + found.iterations,
+            program.violation(found.constraints),
+            _ENDS.get(found.status, found.status.replace("_", " ").lower()),
+        )
+
+
+def _options(settings: Settings, barrier: float | None, spent: int) -> dict[str, Any]:
+    """Return the options of IPOPT behind some iterations."""
     options: dict[str, Any] = {
-        "max_iter": settings.most_iterations,
+        "max_iter": max(settings.most_iterations - spent, 0),
         "tol": settings.tolerance,
         "acceptable_tol": 1e2 * settings.tolerance,
         "constr_viol_tol": min(settings.tolerance, _FEASIBLE),
@@ -88,14 +133,6 @@ def solve_on_mesh(model: PointModel, guess: Trajectory, settings: Settings) -> S
         "mu_target": settings.kept_barrier,
         "theta_max_fact": 1.0,  # else steps may leave the motion far behind
     }
-    if settings.barrier is not None:
-        options |= {"mu_strategy": "monotone", "mu_init": settings.barrier}
-    start = np.clip(made.layout.of(guess), *program.bounds)
-    found = minimise(program, start, options, seen)
-    return Solution(
-        made.layout.trajectory(found.variables, guess.mesh),
-        found.objective,
-        found.iterations,
-        program.violation(found.constraints),
-        _ENDS.get(found.status, found.status.replace("_", " ").lower()),
-    )
+    if barrier is not None:
+        options |= {"mu_strategy": "monotone", "mu_init": barrier}
+    return options

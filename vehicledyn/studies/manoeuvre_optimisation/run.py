@@ -168,6 +168,13 @@ class _Search:
             solution = self._solved(model, guess, settings)
             if solution.failure:
                 return solution
+            if solution.gap is not None:
+                self.notes.append(
+                    f"on {guess.n_intervals} intervals the search circled with its objective still "
+                    "to 1e-6, as where friction sticks and slips by turns; by bounds that do not "
+                    f"act yet it may be {solution.gap / abs(solution.objective):.1g} of itself "
+                    "from its least"
+                )
             errors = self._interval_errors(solution.trajectory)
             self.mesh_errors.append(float(errors.max(initial=0.0)))
             if (errors <= study.accuracy).all() or level == study.refinements:
