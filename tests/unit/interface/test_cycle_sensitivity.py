@@ -31,21 +31,25 @@ def circles():
         "circles", time=t, states=[(x, 0.0), (y, 0.0)],
         rates=[x * growth - y * turn, y * growth + x * turn],
         parameters=[(m, 0.0), (a, CUBIC), (b, QUINTIC), (w, TURN), (c, TWIST)],
-        outputs=[("x", x + m), ("square", b * s * x * x)], unknowns=[(s, 0.0)],
+        outputs=[("x", x + m), ("square", b * s * x * x), ("bent", abs(x + m))],
+        unknowns=[(s, 0.0)],
         residuals=[s + s**3 - (x * x + y * y) - (x * x + y * y) ** 3],
         blocks=(Block("square", 0, 1, 1e-12),),
     )  # fmt: skip
 
 
 def test_circles_follow_their_closed_form():
-    """Of μ + a s + b s² = 0: ds/d(μ, a, b) = -(1, s, s²) / (a + 2 b s); T = 2 π / (ω + τ s)."""
+    """Of μ + a s + b s² = 0: ds/d(μ, a, b) = -(1, s, s²) / (a + 2 b s); T = 2 π / (ω + τ s).
+
+    A channel has kinks of its own, |x + μ|, where the orbit has none.
+    """
     model = field(circles(), "mu")
     _, branch = from_hopf(model, -1.0, 0.5)
-    value, slopes = -0.2, ParameterSlopes(model, range(5), [0, 1])
+    value, slopes = -0.2, ParameterSlopes(model, range(5), [0, 1, 2])
     cycles = cycle_at(model, branch, value)
     assert len(cycles) == 2
     for cycle, sign in zip(cycles, (1.0, -1.0), strict=True):
-        fine = FineOrbits(model).at(cycle.orbit)
+        fine = FineOrbits(model, slopes.asked).at(cycle.orbit)
         figures = CycleFigures(slopes, fine.found.orbit, orbit_slopes(slopes, fine))
         s = (-CUBIC + sign * math.sqrt(CUBIC**2 - 4.0 * QUINTIC * value)) / (2.0 * QUINTIC)
         by = -np.array([1.0, s, s * s, 0.0, 0.0]) / (CUBIC + 2.0 * QUINTIC * s)
@@ -59,6 +63,11 @@ def test_circles_follow_their_closed_form():
             assert number == pytest.approx(known, rel=1e-9)
             assert found == pytest.approx(slope, rel=1e-8, abs=1e-9)
         shift, size = np.eye(5)[0], math.hypot(value, r / math.sqrt(2.0))
+        side, low = math.asin(value / r), math.sqrt(1.0 - value**2 / s)
+        folded = (
+            2.0 / math.pi * (r * low + value * side),
+            2.0 / math.pi * (low * by / (2.0 * r) + side * shift),
+        )
         mean, by_mean = QUINTIC * s * s / 2.0, QUINTIC * s * by + s * s / 2.0 * np.eye(5)[2]
         for kind, channel, known, slope in (
             ("cycle_amplitude", 0, r, by / (2.0 * r)),
@@ -69,6 +78,7 @@ def test_circles_follow_their_closed_form():
             ("cycle_mean", 1, mean, by_mean),
             ("cycle_max", 1, 0.0, 0.0 * by),
             ("cycle_amplitude", 1, -mean, -by_mean),
+            ("cycle_mean", 2, *folded),
         ):
             number, found = figures.of_channel(kind, channel)
             assert number == pytest.approx(known, rel=1e-9, abs=1e-9), kind

@@ -70,10 +70,10 @@ def test_kinks_are_those_of_casadi(needs_compiler, monkeypatch):
     orbit = branch.points[-1].orbit
     interpreted = Kinks(model)
     wanted = interpreted.along(orbit)
-    assert wanted.size and interpreted._compiled is None
+    assert wanted.size and interpreted._deciding.compiled is None
     monkeypatch.setattr(autonomous, "LEAST", 0)
     compiled = Kinks(model)
-    assert compiled._compiled is not None
+    assert compiled._deciding.compiled is not None
     assert compiled.along(orbit) == pytest.approx(wanted, abs=1e-9)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -18,8 +20,9 @@ from vehicledyn.analyse.periodic.nonsmooth_points import Kinks, aligned, misalig
 from vehicledyn.analyse.periodic.orbit import Orbit, adapted_mesh
 from vehicledyn.base.errors import NumericalError
 
-_ALIGNED, _MOVED = 1e-8, 12
-"""Distance of a kink from a mesh point, part of the period, and how often points are moved."""
+_ALIGNED, _ENOUGH, _MOVED = 1e-11, 1e-8, 12
+"""Distances of a kink from a mesh point, part of the period: what is sought, and what is enough
+where moving points brings them no nearer; and how often they are moved."""
 
 _FIRST, _STEPS = 1e-4, 6
 """First way along a branch on which its fold is looked for, and how often it grows fourfold."""
@@ -40,13 +43,14 @@ class FineOrbit:
 
 @dataclass
 class FineOrbits:
-    """Finds the orbits of a model on meshes that suit them."""
+    """Finds the orbits of a model on meshes that suit them, and the means of some ``channels``."""
 
     model: AutonomousField
+    channels: Sequence[int] = ()
 
     @cached_property
     def _kinks(self) -> Kinks:
-        return Kinks(self.model)
+        return Kinks(self.model, self.channels)
 
     def at(self, guess: Orbit, along: Direction | None = None) -> FineOrbit:
         """Return the orbit near a guess, on its mesh with points moved to its kinks.
@@ -60,11 +64,14 @@ class FineOrbits:
         """
         scales = Scales(guess.scales(), guess.period, abs(guess.parameter) or 1.0)
         found = correct(self.model, guess, scales, along=along)
+        before = math.inf
         for _ in range(_MOVED):
             orbit = found.orbit
             kinks = self._kinks.along(orbit)
-            if misalignment(orbit.mesh, kinks) <= _ALIGNED:
+            apart = misalignment(orbit.mesh, kinks)
+            if apart <= _ALIGNED or 0.5 * before < apart <= _ENOUGH:
                 break
+            before = apart
             mesh = aligned(orbit.mesh, kinks)
             along = None if along is None else moved(orbit, along, mesh)
             found = correct(self.model, orbit.moved(mesh), scales, along=along)

@@ -2,15 +2,19 @@
 
 A spring that begins to act (a flange that touches) bends the motion and makes the derivatives
 jump. Collocation is accurate only between such points, so each gets a mesh point, which moves
-with it. Kinks are zeros of the arguments of min, max, abs, sign and comparisons in the equations.
+with it. So do means of channels with kinks of their own, such as a wear number's where a creepage
+changes its side. Kinks are zeros of the arguments of min, max, abs, sign and comparisons in the
+equations.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vehicledyn.analyse.periodic.autonomous import AutonomousField
 from vehicledyn.analyse.periodic.orbit import Orbit
@@ -27,15 +31,19 @@ _NOISE = 1e-9
 _STRONG = 1e-6
 _BESIDE = 1e-7
 _FURTHER, _LASTING = 10.0, 0.5
+_BEHIND, _BENT = 1e-6, 1e-5
+"""Distance from a place, part of the period, at which rates of channels are compared, and part of
+their range in a period by which these jump at a kink."""
 _PAIRS = ("OP_FMIN", "OP_FMAX", "OP_LT", "OP_LE")
 _SINGLES = ("OP_FABS", "OP_SIGN")
 
 
 @dataclass(eq=False)
 class Kinks:
-    """Finds the kinks of a model along its orbits."""
+    """Finds the kinks of a model along its orbits, of its rates and of some ``channels``."""
 
     model: AutonomousField
+    channels: Sequence[int] = ()
 
     def __post_init__(self) -> None:
         """Collect the functions whose sign decides between branches of the equations."""
@@ -43,21 +51,13 @@ class Kinks:
 
         m = self.model
         e = m.equations
-        whole = inlined(casadi.vertcat(e.rate[m.kept], e.residual))
+        shown = casadi.SX(e.output[list(self.channels)])
+        whole = inlined(casadi.vertcat(e.rate[m.kept], e.residual, shown))
         moving = casadi.vertcat(e.state[m.kept], e.algebraic)
         found = [item for item in _deciders(whole) if casadi.depends_on(item, moving)]
         self.count = len(found)
-        self._values: dict[int, BufferedFunction] = {}
-        column = casadi.vertcat(*found) if found else casadi.SX(0, 1)
-        state = [casadi.SX(s.start) for s in e.states]
-        for k in m.kept:
-            state[k] = e.state[k]
-        fixed = [casadi.SX(0.0), casadi.vertcat(*state)]
-        (column,) = casadi.substitute([column], [e.time, e.state], fixed)
-        inputs = [e.state[m.kept], e.algebraic, e.parameter]
-        column = casadi.densify(column)
-        self._compiled = m.compiled(column)
-        self._function = casadi.Function("deciders", inputs, [column])
+        self._deciding = _Column(m, casadi.vertcat(*found) if found else casadi.SX(0, 1))
+        self._shown = _Column(m, shown)
 
     def along(self, orbit: Orbit) -> Vector:
         """Return the places of strong kinks, parts of the period in rising order."""
@@ -108,16 +108,57 @@ class Kinks:
         jumps = np.abs(after - before)
         strong = jumps * orbit.period > _STRONG * np.abs(slopes).max()
         lasting = jumps > _LASTING * np.abs(high - low)
-        return np.asarray(places[(strong & lasting).any(axis=(1, 2))])
+        found = (strong & lasting).any(axis=(1, 2))
+        return np.asarray(places[found | self._bending(orbit, places)])
+
+    def _bending(self, orbit: Orbit, places: Vector) -> NDArray[np.bool_]:
+        """Return at which places the rate of a channel jumps."""
+        if not self._shown.count:
+            return np.zeros(places.size, dtype=bool)
+        near = _BEHIND * np.array([1.0, 2.0])
+        offsets = np.concatenate([-near[::-1], near])
+        sides = np.concatenate([offsets, _FURTHER * offsets])
+        values = self._shown.at(orbit, ((places + sides[:, None]) % 1.0).ravel())
+        values = values.reshape(2, 2, 2, places.size, -1)
+        rates = (values[:, :, 1] - values[:, :, 0]) / _BEHIND
+        rates[1] /= _FURTHER
+        jumps = np.abs(rates[:, 1] - rates[:, 0])
+        strong = jumps[0] > _BENT * np.ptp(values, axis=(0, 1, 2, 3))
+        return np.asarray((strong & (jumps[0] > _LASTING * jumps[1])).any(axis=-1))
 
     def _at(self, orbit: Orbit, places: Vector) -> Vector:
+        return self._deciding.at(orbit, places)
+
+
+class _Column:
+    """A column of functions of states, unknowns and parameters, at places of orbits."""
+
+    def __init__(self, model: AutonomousField, column: Any) -> None:
+        import casadi
+
+        e = model.equations
+        state = [casadi.SX(s.start) for s in e.states]
+        for k in model.kept:
+            state[k] = e.state[k]
+        fixed = [casadi.SX(0.0), casadi.vertcat(*state)]
+        (column,) = casadi.substitute([column], [e.time, e.state], fixed)
+        inputs = [e.state[model.kept], e.algebraic, e.parameter]
+        column = casadi.densify(column)
+        self.count = int(column.numel())
+        self._model = model
+        self.compiled = model.compiled(column) if self.count else None
+        self._function = casadi.Function("column", inputs, [column])
+        self._values: dict[int, BufferedFunction] = {}
+
+    def at(self, orbit: Orbit, places: Vector) -> Vector:
+        """Return the values at places (n_places, n_functions)."""
         count = len(places)
         states, unknowns = orbit.sample(places)
-        values = self.model.parameters(orbit.parameter)
-        if self._compiled is not None:
-            return self._compiled.values(np.concatenate([states, unknowns], axis=1), values)
+        values = self._model.parameters(orbit.parameter)
+        if self.compiled is not None:
+            return self.compiled.values(np.concatenate([states, unknowns], axis=1), values)
         if count not in self._values:
-            mapped = self._function.map("deciders", "serial", count, [2], [])
+            mapped = self._function.map("column", "serial", count, [2], [])
             self._values[count] = BufferedFunction(mapped)
         (found,) = self._values[count](states.ravel(), unknowns.ravel(), values)
         return found.T if found.ndim == 2 else found.reshape(count, self.count)

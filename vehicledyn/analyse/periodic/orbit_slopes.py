@@ -90,7 +90,7 @@ class ParameterSlopes:
     ) -> None:
         import casadi
 
-        self.field, self.which = field, list(which)
+        self.field, self.which, self.asked = field, list(which), tuple(channels)
         e = field.equations
         state, chosen = e.state[field.kept], e.parameter[self.which]
         given = [state, e.algebraic, e.parameter]

@@ -48,7 +48,7 @@ _BESIDE = 0.9, 1.1
 _BELOW, _ABOVE = 0.4, 1.1
 """Range in which the lowest stable cycle is looked for, parts of the linear critical speed."""
 
-_MOST_INTERVALS = 640
+_MOST_INTERVALS = 2560
 _CONVERGED, _TOLERATED = 1e-7, 1e-4
 """Change of effects with half the mesh, part of the largest one, with which the mesh suffices, and
 above which a note says so."""
@@ -260,7 +260,7 @@ class _Cycles:
 
     def _settled(self, cycle: CyclePoint, slopes: ParameterSlopes) -> CycleFigures:
         """Return the figures of a cycle on a mesh on which its derivatives no longer change."""
-        orbits, orbit = FineOrbits(slopes.field), cycle.orbit
+        orbits, orbit = FineOrbits(slopes.field, slopes.asked), cycle.orbit
         values = slopes.field.values[slopes.which]
         before: CycleFigures | None = None
         while True:
