@@ -297,7 +297,8 @@ def _lane_run(
     )
     if hasattr(solver, "fixed_method"):
         return FixedLaneRun(*given, method=solver.fixed_method)
-    return NewmarkLaneRun(*given, method=LaneMethod(batch.kernel, solver.weights))
+    weights = solver.weights.settled(len(batch.kernel.equations.states))
+    return NewmarkLaneRun(*given, method=LaneMethod(batch.kernel, weights))
 
 
 def _ends(batch: Batch, alone: SingleCase, run: LaneRun, room: Samples) -> list[CaseEnd | None]:

@@ -18,6 +18,7 @@ from solve_examples import Samples, build, decay, slider_crank, starts, symbols
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.base.registry import find
 from vehicledyn.integrate.newmark import family
+from vehicledyn.integrate.newmark import weights as newmark_weights
 from vehicledyn.integrate.newmark.constrained_steps import ConstrainedSteps
 from vehicledyn.integrate.newmark.reduced_steps import ReducedForm
 from vehicledyn.integrate.newmark.weights import Weights
@@ -106,8 +107,9 @@ def test_factors_with_pivots(interpreted):
     assert_same(*ways)
 
 
-def test_smooth_steps_take_two_evaluations_from_good_guesses(kernel):
-    """The error left by Newton's method need not be smaller than a part of the step's own."""
+def test_smooth_steps_take_two_evaluations_from_good_guesses(kernel, monkeypatch):
+    """Of many states the error left by Newton's method may be a part of the step's own."""
+    monkeypatch.setattr(newmark_weights, "FEW_STATES", 0)
     state, unknowns = starts(kernel.equations)
     given = {"state": state, "unknowns": unknowns, "sink": Samples(), "interval": 0.1}
     span, took = {"start": 0.0, "stop": 1.0}, []

@@ -42,6 +42,41 @@ def test_steps_of_an_oscillator(name, weights, damping, position, speed):
     assert samples.states[-1] == pytest.approx([position, speed], abs=1e-12), name
 
 
+def settled_step(weights, h, x, v, a):
+    """Return a step of x'' = -20 x - 60 x³ - 0.3 x', Newton's method to the last digit."""
+    w, new = weights, a
+    for _ in range(40):
+        place = x + h * v + h * h * ((0.5 - w.beta) * a + w.beta * new)
+        rate = v + h * ((1.0 - w.gamma) * a + w.gamma * new)
+        force = -20.0 * place - 60.0 * place**3 - 0.3 * rate
+        before = -20.0 * x - 60.0 * x**3 - 0.3 * v
+        missed = (1.0 - w.alpha_m) * new + w.alpha_m * a
+        missed -= (1.0 - w.alpha_f) * force + w.alpha_f * before
+        slope = (20.0 + 180.0 * place**2) * w.beta * h * h + 0.3 * w.gamma * h
+        new -= missed / (1.0 - w.alpha_m + (1.0 - w.alpha_f) * slope)
+    return place, rate, new
+
+
+@pytest.mark.parametrize(
+    "weights",
+    [Weights.newmark(1.0 / 6.0, 0.5), Weights.newmark(0.36, 0.55), Weights.hht(0.77),
+     Weights.generalised_alpha(0.35)],
+)  # fmt: skip
+def test_steps_of_a_nonlinear_oscillator(weights):
+    """Digit by digit; forces at the ends of a step are averaged, not states."""
+    x, v = symbols("x", "v")
+    equations = build(
+        "stiffening", time=ca.SX.sym("t"), states=[(x, 1.0), (v, 0.5)], parameters=[],
+        rates=[v, -20 * x - 60 * x**3 - 0.3 * v], outputs=[("x", x)], positions=(0,),
+        velocities=(1,),
+    )  # fmt: skip
+    samples, _ = march(compile_kernel(equations, backend="interpreted"), weights, 0.1, 40, [1, 0.5])
+    own = (1.0, 0.5, -80.15)
+    for state in samples.states[1:]:
+        own = settled_step(weights, 0.1, *own)
+        assert state == pytest.approx(own[:2], abs=1e-10)
+
+
 @pytest.mark.parametrize("radius", [0.5, 0.8, 1.0])
 @pytest.mark.parametrize("make", [Weights.hht, Weights.generalised_alpha])
 def test_spectral_radius_at_infinity(make, radius):

@@ -16,7 +16,8 @@ if TYPE_CHECKING:
 class GeneralisedAlpha(ImplicitMethod):
     """Implicit generalised-alpha method, order 2; damps what it cannot resolve.
 
-    Of all methods of its family with this spectral radius it damps slow motion least.
+    Of all methods of its family with this spectral radius it damps slow motion least. All forces
+    of a step, those of the time too, are averages of those at its ends.
 
     Chung, Hulbert (1993), A time integration algorithm for structural dynamics with improved
     numerical dissipation: the generalized-alpha method, Journal of Applied Mechanics 60, 371-375.

@@ -16,7 +16,8 @@ if TYPE_CHECKING:
 class HilberHughesTaylor(ImplicitMethod):
     """Implicit HHT method, order 2; damps oscillations that the step cannot resolve.
 
-    The usual parameter alpha is (r - 1)/(r + 1), of r the spectral radius.
+    The usual parameter alpha is (r - 1)/(r + 1), of r the spectral radius. All forces of a step,
+    those of the time too, are averages of those at its ends.
 
     Hilber, Hughes, Taylor (1977), Improved numerical dissipation for time integration algorithms
     in structural dynamics, Earthquake Engineering and Structural Dynamics 5, 283-292.

@@ -100,6 +100,8 @@ def run_newmark(
     NumericalError
         If a step does not converge, or is not good enough, even in small parts.
     """
+    if tolerance is None and constraints == "reduced":
+        weights = weights.settled(len(task.kernel.equations.states))
     compiled = _compiled_steps(task, weights, constraints)
     if compiled is not None:
         return _run_compiled(compiled, name, step, tolerance)

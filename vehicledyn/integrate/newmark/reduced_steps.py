@@ -25,13 +25,15 @@ from vehicledyn.kernel.derivatives import Derivatives
 from vehicledyn.kernel.engine import Ledger, Vector
 from vehicledyn.kernel.kernel import Kernel
 
-_MOST_ITERATIONS = 20
-_CLOSE, _COARSEST = 1e-12, 1e-6
+_MOST_ITERATIONS, _MOST_TO_THE_END = 20, 60
+_CLOSE, _COARSEST = 1e-13, 1e-6
 """Bounds of the error of Newton's iteration allowed in each state, for one plus its size."""
 _SLOW = 0.3
 """Contraction above which the Jacobian is found anew at the next step."""
 _ROUNDING = 1e-10
 """Change that is taken for rounding where it no longer falls."""
+_SMALL_SHARE = 1e-3
+"""Part of the local error below which Newton's method takes more iterations."""
 
 
 @dataclass(frozen=True)
@@ -168,7 +170,7 @@ class ReducedSteps:
         new, z, before = guess.copy(), unknowns.copy(), np.inf
         if place.drift is not None:
             z += ratio * place.drift
-        for iteration in range(_MOST_ITERATIONS):
+        for iteration in range(_MOST_TO_THE_END if w.share < _SMALL_SHARE else _MOST_ITERATIONS):
             x = self._moved(state, h, old, new)
             try:
                 rates = self._rates(end, x, z)

@@ -6,7 +6,7 @@ Computer Methods in Applied Mechanics and Engineering 190, 305-319 (first-order 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from vehicledyn.base.errors import InputError
@@ -22,6 +22,10 @@ SHORTEST = 1e-4
 """Part of a step below which halving gives up where Newton's method asks for it."""
 
 _SHARE = 1e-2
+FEW_STATES = 4
+"""States up to which Newton's method is iterated further, which costs little there."""
+_FURTHER = 1e-12
+"""Part of a step's local error that it may leave there."""
 
 
 @dataclass(frozen=True)
@@ -70,6 +74,13 @@ class Weights:
             bend = change - h / size_before * change_before
             found = found + h * (1.0 / 6.0 - 0.5 * missed) * bend
         return found
+
+    def settled(self, states: int) -> Weights:
+        """Return the weights for steps of one size of a system with so many states.
+
+        Of a system with few states they are those of the method digit by digit.
+        """
+        return replace(self, share=_FURTHER * (self.share > 0.0)) if states <= FEW_STATES else self
 
     @staticmethod
     def newmark(beta: float, gamma: float) -> Weights:

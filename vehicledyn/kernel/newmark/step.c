@@ -1,8 +1,9 @@
 /* One step of Newmark's family, in all lanes that want it. */
 
-enum { MOST_ITERATIONS = 20 };
+enum { MOST_ITERATIONS = 20, MOST_TO_THE_END = 60 };
 
-static const double CLOSE = 1e-12, COARSEST = 1e-6, SLOW = 0.3, ROUNDING = 1e-10;
+static const double CLOSE = 1e-13, COARSEST = 1e-6, SLOW = 0.3, ROUNDING = 1e-10,
+                    SMALL_SHARE = 1e-3;
 
 /* The state at the end of a step by Newmark's formulas. */
 static void move(const struct run *m, double h, const real *old, const real *new, real *x) {
@@ -77,7 +78,8 @@ static vd_mask iterate(struct run *m, double end, vd_mask open) {
   memcpy(next, at->x, m->n_states * sizeof(real));
   move(m, h, old, new, x);
   real before = vd_all(INFINITY);
-  for (int iteration = 0; iteration < MOST_ITERATIONS; iteration++) {
+  const int most = m->share < SMALL_SHARE ? MOST_TO_THE_END : MOST_ITERATIONS;
+  for (int iteration = 0; iteration < most; iteration++) {
     open = vd_and(open, evaluate(m, open, end, x, z, m->constants, rates, m->counts));
     if (!vd_any(open)) break;
     for (long long k = 0; k < n; k++)
