@@ -26,6 +26,9 @@ TIMEOUT = 300
 """Longest time of a command [s]."""
 
 _SHELL = re.compile(r"[|;&<>$`*?~#\\\n(){}!]")
+_QUOTED = re.compile(r"'[^']*'|\"[^\"$`\\!]*\"")
+"""What a shell leaves as it is."""
+_COMMENT = re.compile(r"\s#[^\n]*$")
 _READ_AT_START = re.compile(
     r"PYTHON|MPL|OMP_|OPENBLAS_|LD_|LC_|LANG|COLUMNS|TERM|NO_COLOR|CI$|_TYPER_"
 )
@@ -55,7 +58,8 @@ def call(command, folder, **environment):
 def _words(command):
     if not isinstance(command, str):
         return [str(word) for word in command]
-    return [] if _SHELL.search(command) else shlex.split(command)
+    bare = _COMMENT.sub("", _QUOTED.sub("''", command))
+    return [] if _SHELL.search(bare) else shlex.split(command, comments="#" in command)
 
 
 def _is_served(words):
@@ -77,11 +81,11 @@ def _at_start(environment):
     return {key: value for key, value in environment.items() if _READ_AT_START.match(key)}
 
 
-class _Server:
+class Server:
     """A connection to a process that has imported the program and forks for each command."""
 
-    def __init__(self):
-        self._socket = _connection()
+    def __init__(self, connection):
+        self._socket = connection
         self._answers = self._socket.makefile("r")
 
     def call(self, words, folder, environment):
@@ -94,6 +98,10 @@ class _Server:
                 file.seek(0)
                 texts.append(file.read().decode())
         return subprocess.CompletedProcess(words, code, *texts)
+
+    def close(self):
+        self._answers.close()
+        self._socket.close()
 
     def _send(self, message, files):
         numbers = array.array("i", files)
@@ -125,15 +133,20 @@ def _connection():
     with place.with_suffix(".lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         if not place.exists():
-            owner = os.environ["VEHICLEDYN_TEST_OWNER"]
-            _started.append(subprocess.Popen(
-                [sys.executable, _SERVER, place, owner], start_new_session=True,
-                stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
-            ))  # fmt: skip
-        return _connected(place)
+            _started.append(start_server(place))
+        return connected(place)
 
 
-def _connected(place):
+def start_server(place, *prefix):
+    """Start a server that listens at a place, behind words that start it in another setting."""
+    owner = os.environ["VEHICLEDYN_TEST_OWNER"]
+    return subprocess.Popen(
+        [*prefix, sys.executable, _SERVER, place, owner], start_new_session=True,
+        stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+    )  # fmt: skip
+
+
+def connected(place):
     """Return a connection to a socket; its server may take a while until it listens."""
     deadline = time.monotonic() + TIMEOUT
     while True:
@@ -157,5 +170,5 @@ def _server():
     """Return the server of this thread and of its environment, started where there is none."""
     key = (os.getpid(), threading.get_ident(), *sorted(_at_start(os.environ).items()))
     if key not in _servers:
-        _servers[key] = _Server()
+        _servers[key] = Server(_connection())
     return _servers[key]

@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from programs import run
+from programs import call, run
 from test_documents import BLOCK, blocks
 
 from vehicledyn.results.store.reader import open_result
@@ -27,8 +27,9 @@ def told(tmp_path_factory, needs_compiler):
     for block in blocks(PAGE, "sh"):
         for line in block.splitlines():
             command, _, code = line.partition("# exit ")
-            wanted = f"{command} 2>&1; test $? -eq {int(code or 0)}"
-            printed.append(run(wanted, folder))
+            done = call(command.strip(), folder)
+            assert done.returncode == int(code or 0), done.stderr
+            printed.append(done.stdout + done.stderr)
     return folder, printed
 
 

@@ -1,15 +1,15 @@
 """What a disk that fills up leaves: whole files, partial results with their summary, no others.
 
-The disk is a real one: a file system of some kilobytes in memory, mounted for one process.
+The disk is a real one: a file system of some kilobytes in memory, mounted for some processes.
 """
 
 import os
 import shutil
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+from programs import Server, connected, run, start_server
 
 from vehicledyn.results.store.reader import open_result
 
@@ -23,38 +23,50 @@ solver: {kind: rk4, step: 1 ms}
 output: {interval: 10 ms}
 """
 SYSTEM = Path(__file__).parents[3] / "systems" / "double_pendulum.yaml"
-MOUNT = 'mount -t tmpfs -o "size=$1" tmpfs "$2" && cd "$2" && shift 2 && "$@"; code=$?;'
-COPY = 'cp -a . "$KEPT"; exit $code'
+APART = ("unshare", "-rm")
+MOUNTED = """
+import os, subprocess, sys
+import vehicledyn.cli
+size, folder, kept, *sys.argv = sys.argv[2:]
+subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", folder], check=True)
+os.chdir(folder)
+try:
+    vehicledyn.cli.main()
+finally:
+    subprocess.run(["cp", "-a", ".", kept], check=True)
+"""
+"""Runs a command on a file system of a size and copies what it leaves."""
 
 
-def mounted(size, folder, kept, command):
-    """Run a command on a file system of a size and copy what it leaves."""
-    done = subprocess.run(
-        ["unshare", "-rm", "sh", "-c", MOUNT + COPY, "sh", size, str(folder), *command],
-        env={**os.environ, "KEPT": str(kept), "VEHICLEDYN_TRACEBACK": ""},
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=120.0,
-    )
-    assert "Traceback" not in done.stderr
-    return done
+@pytest.fixture(scope="module")
+def server(tmp_path_factory):
+    """The program where file systems may be mounted that others do not see."""
+    folder = tmp_path_factory.mktemp("apart")
+    trial = [*APART, "mount", "-t", "tmpfs", "tmpfs", folder]
+    if shutil.which(APART[0]) is None or subprocess.run(trial, check=False).returncode:
+        pytest.skip("file systems cannot be mounted here")
+    process = start_server(folder / "socket", *APART)
+    found = Server(connected(folder / "socket"))
+    yield found
+    found.close()
+    process.kill()
+    process.wait()
 
 
 @pytest.fixture
-def disk(tmp_path):
+def disk(server, tmp_path):
     folder, kept = tmp_path / "disk", tmp_path / "kept"
     folder.mkdir()
     kept.mkdir()
-    if shutil.which("unshare") is None or mounted("64k", folder, kept, ["true"]).returncode:
-        pytest.skip("file systems cannot be mounted here")
 
-    def run(size, *command):
-        program = [sys.executable, "-m", "vehicledyn", *map(str, command)]
-        done = mounted(size, folder, kept, program)
+    def run_on(size, *command):
+        words = ["python", "-c", MOUNTED, size, folder, kept, "vehicledyn", *command]
+        environment = os.environ | {"VEHICLEDYN_TRACEBACK": ""}
+        done = server.call([str(word) for word in words], tmp_path, environment)
+        assert "Traceback" not in done.stderr
         return done, sorted(kept.rglob("*"))
 
-    return run
+    return run_on
 
 
 @pytest.fixture
@@ -91,8 +103,7 @@ def result(tmp_path_factory):
     shutil.copy(SYSTEM, folder)
     text = SCENARIO.replace("1000 s", "5 s").replace("{interval", "{animation: true, interval")
     (folder / "short.yaml").write_text(text, encoding="utf-8")
-    command = [sys.executable, "-m", "vehicledyn", "run", "short.yaml", "--no-plots", "-q"]
-    subprocess.run(command, cwd=folder, check=True)
+    run("vehicledyn run short.yaml --no-plots -q", folder)
     return folder / "short.h5"
 
 
