@@ -222,6 +222,8 @@ def named_tree():
 
 
 SEEDS = range(50)
+STRUCTURES = range(24)
+"""Seeds of random systems, which repeat their kinds of joints and loops every twelve."""
 
 
 def closed(seed):
@@ -231,5 +233,5 @@ def closed(seed):
 
 TREES = {"named": named_tree}
 LOOPS = {f.__name__: f for f in (sections, transmitted, lawful, rolling, written)}
-RANDOM_TREES = {f"tree {k}": partial(tree, k) for k in SEEDS}
-RANDOM_LOOPS = {f"closed {k}": partial(closed, k) for k in SEEDS}
+RANDOM_TREES = {f"tree {k}": partial(tree, k) for k in STRUCTURES}
+RANDOM_LOOPS = {f"closed {k}": partial(closed, k) for k in STRUCTURES}

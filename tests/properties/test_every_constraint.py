@@ -1,6 +1,6 @@
 """Laws of mechanics for every joint and every constraint, at many random states.
 
-Fifty random trees and fifty random closed systems, and fifty states of each system that has
+Two dozen random trees and as many random closed systems, and fifty states of each system that has
 the constraints of every kind. A structure is derived once; its parameters and states are
 random. States of closed systems stay near the assembled one, so that the loops are on their
 branch; trees take any.
