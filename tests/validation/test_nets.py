@@ -369,6 +369,7 @@ def by_frequency(values):
     return np.array(sorted(values, key=lambda value: value.imag))
 
 
+@cache
 def partitioned(make):
     """Return the maker of a net that partitioning is forced on."""
     return cache(lambda: replace(make(), constraint_method="partitioning"))
