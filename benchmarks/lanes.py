@@ -92,8 +92,8 @@ class Track:
                 started = time.process_time()
                 result = run_batch(batch, self.solver, cases, channels=self.channels, **self.span)
                 seconds = time.process_time() - started
-                if any(end.failed for end in result.ends):
-                    raise SystemExit(f"a case failed: {result.ends}")
+                if any(end.failed or end.ended_by for end in result.ends):
+                    raise SystemExit(f"a case did not come to its end: {result.ends}")
                 if repeat:
                     self.times[lanes].append(seconds / n)
         return self.times
