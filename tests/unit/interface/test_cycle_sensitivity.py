@@ -250,6 +250,14 @@ def test_small_effects_are_measured_by_themselves():
     """An effect of a hundredth of the largest may not change by more than a millionth of itself."""
     values, before = np.array([2.0, 1.0, 1.0]), np.array([[0.5, 0.01, 0.0], [0.0, 0.0, 0.0]])
     after = before + np.array([[1e-8, 5e-8, 1e-10], [0.0, 0.0, 0.0]])
-    of_largest, of_itself = cycles._changes(before, after, values)
+    of_largest, of_itself = cycles._changes(before, after, values, np.array([0.5, 0.0]))
     assert of_largest == pytest.approx(5e-8, rel=1e-3)
     assert of_itself == pytest.approx(5e-6, rel=1e-3)
+
+
+def test_effects_on_what_symmetry_makes_zero_are_none():
+    """The mean of an even swing follows nothing, and what rounding makes never settles."""
+    values, before = np.ones(2), np.array([[1e-14, -1e-13]])
+    of_largest, of_itself = cycles._changes(before, -before, values, np.array([5e-3]))
+    assert of_largest < 1e-7
+    assert of_itself < 1e-6

@@ -39,13 +39,15 @@ class CycleFigures:
     def __init__(self, slopes: ParameterSlopes, orbit: Orbit, along: OrbitSlopes) -> None:
         self._slopes, self._orbit, self._along = slopes, orbit, along
 
-    @property
-    def slopes(self) -> Floats:
-        """Derivatives of the period and of maximum, minimum, mean of all channels, a row each."""
-        of = [self.whole("cycle_period")]
-        for channel in range(self._gauss[0].values.shape[1]):
-            of += [self.of_channel(k, channel) for k in ("cycle_max", "cycle_min", "cycle_mean")]
-        return np.array([slope for _, slope in of])
+    def of(self, kind: str, channel: int | None) -> Figure:
+        """Return a figure, of a channel by its number among those asked for or of the whole."""
+        return self.whole(kind) if channel is None else self.of_channel(kind, channel)
+
+    def size(self, kind: str, channel: int | None) -> float:
+        """Return what a figure is measured by: itself, or the largest value of its channel."""
+        if channel is None:
+            return abs(self.whole(kind)[0])
+        return max(abs(self._extremes[channel, top][0]) for top in (False, True))
 
     def whole(self, kind: str) -> Figure:
         """Return the period [s] or the frequency [Hz]."""

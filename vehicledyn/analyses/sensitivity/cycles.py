@@ -54,7 +54,7 @@ _CONVERGED, _TOLERATED = 1e-7, 1e-4
 above which a note says so."""
 _OF_ITSELF, _SMALL = 1e-6, 1e-3
 """Change of an effect, part of itself, with which the mesh suffices; part of the largest effect
-below which an effect is not measured by itself."""
+below which an effect is not measured by itself, and of a figure below which none is."""
 
 
 KINDS = *CYCLE_KINDS, OrbitSlopes
@@ -194,9 +194,11 @@ class _Cycles:
                 "that no rate depends on and that the limit cycle does not repeat, such as a way "
                 "travelled; ask for its rate or for another channel"
             )
+        places = [None if k.channel is None else channels.index(k.channel) for k in asked]
+        judged = list(zip([item.kind for item in asked], places, strict=True))
         for number, cycle in enumerate(cycles, 1):
             self.progress(f"differentiating limit cycle {number} of {len(cycles)}", None)
-            figures = self._settled(cycle, slopes)
+            figures = self._settled(cycle, slopes, judged)
             state = "stable" if cycle.stable else "unstable"
             for item in asked:
                 label = f"cycle_{number}.{item.name.removeprefix('cycle_')}"
@@ -258,20 +260,26 @@ class _Cycles:
             )
         return self._fold(folds[0], which)
 
-    def _settled(self, cycle: CyclePoint, slopes: ParameterSlopes) -> CycleFigures:
-        """Return the figures of a cycle on a mesh on which its derivatives no longer change."""
+    def _settled(
+        self, cycle: CyclePoint, slopes: ParameterSlopes, judged: Sequence[tuple[str, int | None]]
+    ) -> CycleFigures:
+        """Return the figures of a cycle on a mesh on which derivatives of some no longer change.
+
+        These are given by kind and, where they are of a channel, its number among those asked for.
+        """
         orbits, orbit = FineOrbits(slopes.field, slopes.asked), cycle.orbit
         values = slopes.field.values[slopes.which]
-        before: CycleFigures | None = None
+        before: Floats | None = None
         while True:
             find = partial(_differentiated, slopes, orbits, orbit)
             orbit, along = self.memory.recall_or_raise("differentiated", orbit, find)
             figures = CycleFigures(slopes, orbit, along)
+            found = np.array([figures.of(*item)[1] for item in judged])
             if before is not None:
-                changes = _changes(before.slopes, figures.slopes, values)
-                if self._is_settled(changes, orbit):
+                sizes = np.array([figures.size(*item) for item in judged])
+                if self._is_settled(_changes(before, found, values, sizes), orbit):
                     return figures
-            before, orbit = figures, orbits.finer(orbit)
+            before, orbit = found, orbits.finer(orbit)
 
     def _fold(self, point: CyclePoint, which: Sequence[int]) -> tuple[Quantity, float, Floats]:
         """Return the speed of a fold and its slopes, on the plane across the branch."""
@@ -284,7 +292,9 @@ class _Cycles:
             orbit, way, slope = self.memory.recall_or_raise("fold", (orbit, along), find)
             if model.index in which:
                 slope[list(which).index(model.index)] = 0.0
-            if before is not None and self._is_settled(_changes(before, slope, values), orbit):
+            if before is not None and self._is_settled(
+                _changes(before, slope, values, abs(orbit.parameter)), orbit
+            ):
                 break
             before, finer = slope, orbits.finer(orbit)
             along, orbit = moved(orbit, way, finer.mesh), finer
@@ -324,15 +334,18 @@ def _differentiated_fold(
     return fine.found.orbit, fine.along, orbit_slopes(slopes, fine).parameter
 
 
-def _changes(before: Floats, after: Floats, values: Floats) -> tuple[float, float]:
+def _changes(
+    before: Floats, after: Floats, values: Floats, sizes: Floats | float
+) -> tuple[float, float]:
     """Return by how much effects of parameters differ: part of the largest of a row, of themselves.
 
-    Effects are derivatives (..., n) times the parameters' values (n,).
+    Effects are derivatives (..., n) times the parameters' values (n,); what is small beside the
+    ``sizes`` (...,) of the figures is none, such as the mean of what swings evenly to both sides.
     """
     effects, missed = np.abs(after * values), np.abs((after - before) * values)
-    largest = effects.max(axis=-1, keepdims=True)
-    largest = np.where(largest > 0.0, largest, 1.0)
-    own = np.maximum(effects, _SMALL * largest)
+    least = np.maximum(_SMALL * np.asarray(sizes), np.finfo(float).tiny)[..., None]
+    largest = np.maximum(effects.max(axis=-1, keepdims=True), least)
+    own = np.maximum(np.maximum(effects, _SMALL * largest), least)
     return float((missed / largest).max(initial=0.0)), float((missed / own).max(initial=0.0))
 
 
