@@ -55,6 +55,16 @@ def call(command, folder, **environment):
     )  # fmt: skip
 
 
+def started(command, folder, **environment):
+    """Start a command, a list of words; return what waits for it and sends it signals."""
+    changed = os.environ | environment
+    words = _words(command)
+    if _is_served(words) and _can_be_forked(changed):
+        return Started(words, folder, changed)
+    nothing = subprocess.DEVNULL
+    return subprocess.Popen(words, cwd=folder, env=changed, stdout=nothing, stderr=nothing)
+
+
 def _words(command):
     if not isinstance(command, str):
         return [str(word) for word in command]
@@ -89,15 +99,20 @@ class Server:
         self._answers = self._socket.makefile("r")
 
     def call(self, words, folder, environment):
-        request = {"words": words, "folder": str(folder), "environment": environment}
         with tempfile.TemporaryFile() as output, tempfile.TemporaryFile() as errors:
-            self._send(json.dumps(request).encode(), (output.fileno(), errors.fileno()))
-            code = self._answer(words)
+            child = self.begin(words, folder, environment, (output, errors))
+            code = self.end(words, child)
             texts = []
             for file in (output, errors):
                 file.seek(0)
                 texts.append(file.read().decode())
         return subprocess.CompletedProcess(words, code, *texts)
+
+    def begin(self, words, folder, environment, files):
+        """Start a command that writes to files; return the number of its process."""
+        request = {"words": words, "folder": str(folder), "environment": environment}
+        self._send(json.dumps(request).encode(), [file.fileno() for file in files])
+        return int(self._answers.readline())
 
     def close(self):
         self._answers.close()
@@ -109,8 +124,8 @@ class Server:
         self._socket.sendmsg([len(message).to_bytes(8, "big")], rights)
         self._socket.sendall(message)
 
-    def _answer(self, words):
-        child = int(self._answers.readline())
+    def end(self, words, child):
+        """Wait for a process and return its exit code."""
         self._socket.settimeout(TIMEOUT)
         try:
             return int(self._answers.readline())
@@ -120,6 +135,32 @@ class Server:
             raise subprocess.TimeoutExpired(words, TIMEOUT) from None
         finally:
             self._socket.settimeout(None)
+
+
+class Started:
+    """A command in a fork of a server, by the words of ``subprocess.Popen``."""
+
+    def __init__(self, words, folder, environment):
+        self.args, self.returncode = words, None
+        self._server = Server(_connection())
+        with open(os.devnull, "w") as nothing:  # noqa: PTH123
+            self.pid = self._server.begin(words, folder, environment, (nothing, nothing))
+
+    def poll(self):
+        """Return the exit code of a process that has ended."""
+        if self.returncode is None and not Path(f"/proc/{self.pid}").exists():
+            self.wait()
+        return self.returncode
+
+    def send_signal(self, number):
+        if self.poll() is None:
+            os.kill(self.pid, number)
+
+    def wait(self):
+        if self.returncode is None:
+            self.returncode = self._server.end(self.args, self.pid)
+            self._server.close()
+        return self.returncode
 
 
 def _connection():

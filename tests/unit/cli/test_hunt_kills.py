@@ -3,14 +3,13 @@
 import contextlib
 import os
 import signal
-import subprocess
-import sys
 import time
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
+from programs import call, run, started
 
 from vehicledyn.results.hdf5.checkpoint import checkpoint_path
 from vehicledyn.results.tables.hunt_table import read_hunt
@@ -23,14 +22,7 @@ OPTIONS = ["--parameter", "gain", "--from", "-1 N*s/m", "--to", "2 N*s/m", "--po
 
 
 def command(output, *more):
-    verb = [sys.executable, "-m", "vehicledyn", "hunt", str(SYSTEM), *OPTIONS]
-    return [*verb, "-o", str(output), *more]
-
-
-def started(output, *more):
-    return subprocess.Popen(
-        command(output, *more), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE
-    )
+    return ["vehicledyn", "hunt", SYSTEM, *OPTIONS, "-o", output, *more]
 
 
 def wait_until(process, happened):
@@ -42,7 +34,7 @@ def wait_until(process, happened):
 
 def stopped(process, how):
     process.send_signal(how)
-    process.communicate(timeout=60)
+    process.wait()
 
 
 def size_of(output):
@@ -66,7 +58,7 @@ def same(first, second):
 def whole(tmp_path_factory):
     """The study without any kill."""
     output = tmp_path_factory.mktemp("whole") / "hunt.h5"
-    subprocess.run(command(output), check=True, capture_output=True, timeout=600)
+    run(command(output), output.parent)
     assert not checkpoint_path(output).exists()
     return output
 
@@ -75,7 +67,7 @@ def test_a_study_killed_again_and_again_finds_the_same(tmp_path, whole):
     output, killed, found = tmp_path / "hunt.h5", 0, [0]
     for _ in range(4):
         before = size_of(output)
-        process = started(output, "--resume")
+        process = started(command(output, "--resume"), tmp_path)
         if not wait_until(process, lambda before=before: size_of(output) > before + 60_000):
             break
         stopped(process, signal.SIGKILL)
@@ -85,7 +77,7 @@ def test_a_study_killed_again_and_again_finds_the_same(tmp_path, whole):
             assert table.status == "interrupted" and "resume" in table.message
             found.append(len(table.cycles))
     assert killed >= 2 and found[-1] > 0 and found == sorted(found)
-    subprocess.run(command(output, "--resume"), check=True, capture_output=True, timeout=600)
+    run(command(output, "--resume"), tmp_path)
     assert read_hunt(output).status == "ok"
     assert same(arrays(output), arrays(whole))
     assert read_hunt(output).figures == read_hunt(whole).figures
@@ -95,13 +87,13 @@ def test_a_study_killed_again_and_again_finds_the_same(tmp_path, whole):
 
 def test_interrupted_studies_go_on(tmp_path, whole):
     output = tmp_path / "hunt.h5"
-    process = started(output)
+    process = started(command(output), tmp_path)
     assert wait_until(process, lambda: size_of(output) > 100_000)
     stopped(process, signal.SIGINT)
     assert process.returncode == 130
     table = read_hunt(output)
     assert table.status == "interrupted" and table.cycles
-    subprocess.run(command(output, "--resume"), check=True, capture_output=True, timeout=600)
+    run(command(output, "--resume"), tmp_path)
     assert same(arrays(output), arrays(whole))
 
 
@@ -110,16 +102,14 @@ def test_a_finished_study_is_not_computed_again(tmp_path, whole):
     os.link(whole, output)
     begun = output.stat().st_mtime_ns
     loud = [word for word in command(output, "--resume") if word != "--quiet"]
-    done = subprocess.run(loud, check=True, capture_output=True, text=True, timeout=600)
+    done = call(loud, tmp_path)
+    assert done.returncode == 0
     assert "is finished" in done.stderr and output.stat().st_mtime_ns == begun
 
 
 def test_another_study_is_not_gone_on_with(tmp_path, whole):
     output = tmp_path / "hunt.h5"
     os.link(whole, output)
-    done = subprocess.run(
-        command(output, "--resume", "--set", "parameters.stiffness=90 N/m"),
-        check=False, capture_output=True, text=True, timeout=600,
-    )  # fmt: skip
+    done = call(command(output, "--resume", "--set", "parameters.stiffness=90 N/m"), tmp_path)
     assert done.returncode == 2 and "holds another study" in done.stderr
     assert "Traceback" not in done.stderr
