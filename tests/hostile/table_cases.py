@@ -87,7 +87,7 @@ def profile(rng, name):
     ])  # fmt: skip
     content = files[file].encode() if extra and rng.random() < 0.3 else _spoilt(files[file], rng)
     extra = [word.replace("\0", "") for word in extra]
-    command = ["profiles", *pair, "--shift", "0:2:2", "--amplitude", "2:3:1", *extra]
+    command = ["profiles", *pair, "--shift", "0:1:1", "--amplitude", "0.5:1:1", *extra]
     return Case(name, {file: content}, command)
 
 
