@@ -129,8 +129,7 @@ print(law.forces(felt(1e-6)).longitudinal / linear)
 
 def test_examples_of_contributing_make_a_vehicle_that_changes_the_lane(tmp_path):
     """Each example is put where its first line says, into a copy of the package, and runs."""
-    ignored = shutil.ignore_patterns("__pycache__")
-    shutil.copytree(Path(vehicledyn.__file__).parent, tmp_path / "vehicledyn", ignore=ignored)
+    shutil.copytree(Path(vehicledyn.__file__).parent, tmp_path / "vehicledyn")
     examples = [*blocks(CONTRIBUTING, "python"), *blocks(CONTRIBUTING, "yaml")]
     assert len(examples) == 15
     for example in examples:
