@@ -1,6 +1,7 @@
 """A wheel that leaves the data of a road file is named with the time."""
 
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 from crg_files import crg
 
 from vehicledyn.cli import main
+from vehicledyn.cli.commands.files import read_file
 from vehicledyn.road.manoeuvres.channel_recorder import Rows
 from vehicledyn.road.manoeuvres.road_data import RoadDataWatch
 from vehicledyn.road.surfaces.enveloped import Enveloped
@@ -15,6 +17,7 @@ from vehicledyn.road.surfaces.flat import Flat
 from vehicledyn.road.surfaces.heightfield import Heightfield
 from vehicledyn.road.surfaces.opencrg import OpenCrgRoad
 
+ROOT = Path(__file__).parents[3]
 TIME = np.linspace(0.0, 1.0, 11)
 
 
@@ -127,3 +130,15 @@ def test_a_check_tells_missing_heights_and_a_path_that_dips(tmp_path, capsys, mo
     assert "1 of 217 height is missing, the first at u = 10 m, v = 0.5 m" in first
     assert "gap.yaml: manoeuvre: the spline" in second
     assert "swings 0.61 m aside between points 1 and 2" in second
+
+
+def test_a_check_tells_missing_heights_of_the_road_of_a_system(tmp_path):
+    gapped(tmp_path)
+    car = (ROOT / "systems" / "small_car.yaml").read_text()
+    road = "road: {kind: opencrg, file: gap.crg}"
+    assert "road: {kind: flat}" in car
+    (tmp_path / "car.yaml").write_text(car.replace("road: {kind: flat}", road))
+    changed = SCENARIO.replace(f"{road}\n", "").replace("model: small_car", "model: car.yaml")
+    (tmp_path / "drive.yaml").write_text(changed)
+    warning, _ = read_file(tmp_path / "drive.yaml", None)
+    assert "1 of 217 height is missing" in warning

@@ -12,8 +12,11 @@ if TYPE_CHECKING:
 
 def cautions(loaded: LoadedScenario) -> list[str]:
     """Return a warning where the road's file lacks heights, and a note where the path dips."""
-    road = loaded.scenario.road
-    gaps = road.placed(loaded.path.parent).gaps() if isinstance(road, RoadSurface) else ""
+    road, folder = loaded.scenario.road, loaded.path.parent
+    if road is None:  # that of the system's file
+        written = loaded.written
+        road, folder = getattr(getattr(written, "file", None), "road", None), written.path.parent
+    gaps = road.placed(folder).gaps() if isinstance(road, RoadSurface) else ""
     look = getattr(loaded.scenario.manoeuvre, "caution", None)
     found = [gaps and f"warning: {gaps}", "" if look is None else look()]
     return [words for words in found if words]
