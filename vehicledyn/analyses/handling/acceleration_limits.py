@@ -2,7 +2,8 @@
 
 For each longitudinal acceleration lateral acceleration grows to its limit; drive and brake torques
 are those of the car's drive and of brakes with its distribution. A braked inner wheel comes to its
-largest force and locks; the diagram goes on with it locked, as the car does. With much drive a
+largest force and locks; the diagram goes on with it locked, as the car does, or with it rolling
+where a car that turns first and brakes then gets further. With much drive a
 driven wheel spins up, or the turns go over to power slides without a limit: the driver steers
 against the turn at side-slip angles that grow. There the diagram ends. Each point names its end.
 """
@@ -22,7 +23,7 @@ from vehicledyn.analyses.handling.steady_turn import (
     SteadyTurn,
 )
 from vehicledyn.analyses.handling.tested_car import CarPoint
-from vehicledyn.analyses.handling.turn_equations import Turn
+from vehicledyn.analyses.handling.turn_equations import Turn, TurnOf
 from vehicledyn.analyses.handling.turn_paths import TurnPath, followed
 from vehicledyn.base.errors import NumericalError
 
@@ -43,13 +44,16 @@ ENDS = {
 """What ends turns, in words."""
 
 _FIRST_STEP, _SMALLEST_STEP = 0.5, 0.03
-_SMALLEST_ALONG = 0.05
+_SMALLEST_ALONG, _SMALLEST_LATER = 0.05, 0.2
 
 _LOCKED, _BACKWARDS = -0.9, -1.1
 """Longitudinal slip of a wheel that counts as locked, and of one that turns backwards [1]."""
 
 _NEARLY_FULL = 0.95
 """Throttle from which on a limit is that of the drive [1]."""
+
+_LATER_TRIES = 6
+"""About how many turns braking is tried from that comes later than the turn."""
 
 _ASIDE = 0.1
 """Most that the side-slip angle leaps by where a wheel locks [rad]; further off is another turn."""
@@ -120,10 +124,15 @@ def acceleration_limits(
     lost = []
     for direction, words in ((-1.0, "braking"), (1.0, "driving")):
         size, point = 0.0, solver.straight(speed)
+        across: TurnPath | None = None
         while True:
             along = direction * size
             if along or direction > 0.0:
-                across = _across(solver, speed, along, point)
+                before, across = across, _across(solver, speed, along, point)
+                if direction < 0.0 and before is not None:
+                    across = _braked_later(
+                        solver, speed, size, step=step, across=across, before=before
+                    )
                 found.append(_limit(solver, across, along, speed))
                 if across.is_lost:
                     further = _FURTHER % across.values[-1]
@@ -186,11 +195,22 @@ def _turn(speed: float, lateral: float, along: float) -> Turn:
     return Turn(speed, "lateral_acceleration", lateral, along)
 
 
+def _braking(speed: float, lateral: float) -> TurnOf:
+    return lambda size: _turn(speed, lateral, -size)
+
+
 def _across(solver: SteadyTurn, speed: float, along: float, straight: CarPoint) -> TurnPath:
     """Follow the turns to their limit, with each wheel locked that locks on the way.
 
     The path that is returned begins where the last wheel has locked.
     """
+    return _on(solver, speed, along, 0.0, straight)
+
+
+def _on(
+    solver: SteadyTurn, speed: float, along: float, lateral: float, point: CarPoint
+) -> TurnPath:
+    """Follow the turns from one of a lateral acceleration, see :func:`_across`."""
 
     def path_from(value: float, point: CarPoint) -> TurnPath:
         return followed(
@@ -203,7 +223,7 @@ def _across(solver: SteadyTurn, speed: float, along: float, straight: CarPoint) 
             unwanted=solver.beyond_grip_or_drive,
         )
 
-    path, further = path_from(0.0, straight), None
+    path, further = path_from(lateral, point), None
     while along < 0.0 and path.is_limit:
         turn = _turn(speed, path.values[-1], along)
         further = _with_one_locked(solver, turn, path.points[-1], path_from)
@@ -211,6 +231,39 @@ def _across(solver: SteadyTurn, speed: float, along: float, straight: CarPoint) 
             break
         path = further
     return path
+
+
+def _braked_later(
+    solver: SteadyTurn,
+    speed: float,
+    size: float,
+    *,
+    step: float,
+    across: TurnPath,
+    before: TurnPath,
+) -> TurnPath:
+    """Return the turns of a braking acceleration that go furthest across.
+
+    ``across`` are those where the car brakes and then turns; ``before`` those with less braking by
+    a step. From their furthest turns it brakes as hard at a held lateral acceleration, without a
+    wheel that locks where loads and slips of the turn keep it from that.
+    """
+    turns = list(zip(before.values, before.points, strict=True))[::-1]
+    for lateral, point in turns[:: max(1, len(turns) // _LATER_TRIES)]:
+        if lateral <= across.values[-1]:
+            break
+        braked = followed(
+            solver,
+            _braking(speed, lateral),
+            (size - step, point),
+            size,
+            step=step,
+            smallest=_SMALLEST_LATER,
+        )
+        if braked.end == "found":
+            further = _on(solver, speed, -size, lateral, braked.points[-1])
+            return further if further.values[-1] > across.values[-1] else across
+    return across
 
 
 def _with_one_locked(
