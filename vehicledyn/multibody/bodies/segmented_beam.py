@@ -155,7 +155,12 @@ class SegmentedBeam:
         return moments[0], centre, polar, moments[2] - moments[0] * centre * centre
 
     def _joints(self, index: int) -> tuple[Joint, ...]:
-        return tuple(
+        """Return the joints at a place, at every other one in the reverse order.
+
+        Where all had the same order each twist would act on its bending or not at all, where half
+        of it does: an error of 1/n.
+        """
+        found = [
             Joint(
                 kind,
                 f"{self.name}.{word}_{index}",
@@ -164,7 +169,8 @@ class SegmentedBeam:
             )
             for direction, (kind, word) in _JOINTS.items()
             if direction in self.yields
-        )
+        ]
+        return tuple(reversed(found) if index % 2 else found)
 
     def _surplus(self, direction: str, index: int) -> Scalar:
         """Return the inertia by which segments that move in steps have too much at a joint."""
