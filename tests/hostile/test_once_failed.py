@@ -168,6 +168,15 @@ def nothing(place):
     return change
 
 
+def no_columns(place):
+    def change(file):
+        old = file[place][()]
+        del file[place]
+        file.create_dataset(place, data=old[:, :0])
+
+    return change
+
+
 def complex_numbers(place):
     def change(file):
         old = file[place][()]
@@ -216,6 +225,7 @@ def test_studies_that_do_not_fit_together(change, words):
         ("hunt.h5", cut("cycle_period"), "period has "),
         ("hunt.h5", cut("equilibrium_parameter"), "eigenvalue has "),
         ("hunt.h5", nothing("equilibrium_parameter"), "eigenvalue has "),
+        ("hunt.h5", no_columns("cycle_direction"), "direction has 0 components, not 3"),
         ("hunt.h5", complex_numbers("eigenvalue_imag"), "eigenvalue holds no real numbers"),
         ("response.h5", complex_numbers("response_imag"), "response holds no real numbers"),
         ("hunt.h5", stated("$x^2_{$"), "status: '$x^2_{$' is unknown"),

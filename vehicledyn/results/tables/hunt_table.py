@@ -213,7 +213,7 @@ def read_hunt(path: Path) -> HuntTable:
     """
     with old_file(path, FORMAT) as file:
         parameter, channels = read_quantities(file, "parameter"), read_quantities(file, "channel")
-        sizes = Sizes({"channels": len(channels)})
+        sizes = Sizes({"channels": len(channels), "components": 2 + len(channels)})
         if len(parameter) != 1:
             raise ValueError("it has no single parameter")
         columns = {
