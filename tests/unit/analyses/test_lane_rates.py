@@ -25,8 +25,14 @@ def run(request, needs_compiler):
     return prepare_run(loaded, backend="compiled", progress=lambda what, part: None)
 
 
+@pytest.fixture(scope="module")
+def interpreted(run):
+    prepared, _ = run
+    return compile_kernel(prepared.equations, backend="interpreted")
+
+
 @pytest.mark.parametrize("lanes", [lanes for lanes in (4, 8) if lanes <= suitable_lanes()])
-def test_rates_do_not_depend_on_who_computes_them(run, lanes):
+def test_rates_do_not_depend_on_who_computes_them(run, interpreted, lanes):
     prepared, start = run
     rng = np.random.default_rng(3)
     values = np.tile(prepared.kernel.parameters, (lanes, 1))
@@ -37,7 +43,6 @@ def test_rates_do_not_depend_on_who_computes_them(run, lanes):
     constants = engine.prepare(engine.spread(values))
     rates, fate = engine.rates(0.7, engine.spread(states), unknowns, constants)
     assert not fate.status.any()
-    interpreted = compile_kernel(prepared.equations, backend="interpreted")
     for lane in range(lanes):
         alone = prepared.kernel.with_parameters(values[lane])
         solved = alone.solve_unknowns(0.7, states[lane], start.unknowns)

@@ -142,7 +142,7 @@ def test_the_wheel_hits_the_rail_where_its_contact_jumps(part, lateral):
         rows.extend(y)
 
     simulate(
-        kernel, RungeKutta4(step=1e-5), start=0.0, stop=0.004, state=state, unknowns=unknowns,
+        kernel, RungeKutta4(step=1e-5), start=0.0, stop=0.003, state=state, unknowns=unknowns,
         interval=1e-5, sink=sink, happened=lambda name, time: happened.append((name, time)),
     )  # fmt: skip
     ((name, time),) = happened
