@@ -137,11 +137,14 @@ def test_values_and_slopes_are_finite_everywhere(kind):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_continuous_along_random_lines(kind):
+    symbols = [ops.symbol(name) for name in ("xi", "eta", "phi")]
+    forces = law(kind).forces(contact(*symbols))
+    value = ops.numeric(symbols, ops.column([forces.longitudinal, forces.lateral]))
     rng = np.random.default_rng(1)
     for start, stop in rng.normal(size=(4, 2, 3)) * [2e-3, 2e-3, 0.4]:
-        steps = np.linspace(0.0, 1.0, 401)
-        forces = np.array([vector(kind, *(start + s * (stop - start))) for s in steps])
-        assert np.abs(np.diff(forces[:, :2], axis=0)).max() < 0.03 * FRICTION * LOAD
+        along = start + np.linspace(0.0, 1.0, 401)[:, None] * (stop - start)
+        found = value(*along.T[:, None])
+        assert np.abs(np.diff(found, axis=1)).max() < 0.03 * FRICTION * LOAD
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -191,8 +191,8 @@ def test_continuous_along_random_lines(kind):
     rng = np.random.default_rng(1)
     ends = rng.uniform([0, -2, -1.5, -0.4], [3e4, 2, 1.5, 0.4], size=(6, 2, 4))
     for start, stop in ends:
-        steps = np.linspace(0, 1, 2001)
-        forces = np.array([value(*(start + s * (stop - start)))[:, 0] for s in steps])
+        along = start + np.linspace(0, 1, 2001)[:, None] * (stop - start)
+        forces = value(*along.T[:, None]).T
         jumps = np.abs(np.diff(forces, axis=0)).max(axis=0)
         narrow = 0.3 * np.ptp(forces[:, 2]) if kind in OF_FILES else 0.0
         assert np.all(jumps < [1e3, 1e3, max(60.0, narrow)])
