@@ -1,5 +1,7 @@
 """Numbers of derived equations at a state: rates, outputs by name, directional derivatives."""
 
+from functools import lru_cache
+
 import numpy as np
 
 from vehicledyn.multibody.equations.derivation import derive
@@ -88,3 +90,9 @@ class Derived:
     @staticmethod
     def _items(column):
         return [column[k] for k in range(column.shape[0])]
+
+
+@lru_cache(maxsize=64)
+def derived(make, seed):
+    """The equations of a random system at its state, for all tests of one process."""
+    return Derived(make(seed), seed)

@@ -5,7 +5,7 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
-from evaluation import Derived
+from evaluation import Derived, derived
 from random_systems import CLOSED, JOINT_KINDS, Builder, Motor, Wind, each_with_seeds, pull, tree
 
 from vehicledyn.multibody.elements.point_forces import Attachment, Link
@@ -21,13 +21,10 @@ from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.equations import Channel
 from vehicledyn.symbolic.sparse_rows import rows_of
 
+pytestmark = pytest.mark.xdist_group("random_systems")  # derived once
+
 SEEDS = range(6)
 IDENTITY = 1e-10
-
-
-@lru_cache(maxsize=64)
-def derived(make, seed):
-    return Derived(make(seed), seed)
 
 
 def all_systems(test):

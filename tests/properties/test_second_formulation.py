@@ -5,7 +5,7 @@ from functools import lru_cache
 import numpy as np
 import pytest
 from absolute_coordinates import Absolute, rotation
-from evaluation import Derived
+from evaluation import derived
 from random_systems import CLOSED, Builder, each_with_seeds, planar_loop, tree
 
 from vehicledyn.multibody.model.kinematics import Kinematics
@@ -13,6 +13,8 @@ from vehicledyn.multibody.model.parts import Situation, Wrench
 from vehicledyn.multibody.model.tree import unfold
 from vehicledyn.multibody.recursion.newton_euler import inverse_dynamics
 from vehicledyn.symbolic import ops
+
+pytestmark = pytest.mark.xdist_group("random_systems")  # derived once
 
 # The absolute matrix has a condition number near 1e5, hence 1e-9 and not 1e-12.
 AGREE = 1e-9
@@ -51,8 +53,7 @@ def parts_at(d):
 
 @lru_cache(maxsize=64)
 def both(make, seed):
-    system = make(seed)
-    d = Derived(system, seed)
+    d = derived(make, seed)
     q, qd, _ = d.coordinates
     wrenches, forces, driven = parts_at(d)
 
@@ -60,7 +61,7 @@ def both(make, seed):
         return ops.numeric([d.equations.parameter], expression)(d.parameters)
 
     absolute = Absolute(
-        system, values, q, qd, wrenches=wrenches, driven=driven, joint_forces=forces
+        d.system, values, q, qd, wrenches=wrenches, driven=driven, joint_forces=forces
     )
     return d, absolute.solve()
 
