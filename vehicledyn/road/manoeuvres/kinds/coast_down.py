@@ -21,11 +21,9 @@ if TYPE_CHECKING:
 
 FEWEST_SAMPLES = 3
 
-_FELT = 0.02
-"""Least part of the lost speed that counts as the air's; toe of the wheels is below it [1]."""
-
-_SLOWED = 1e-3
-"""Least lost speed that parts are taken of [m/s]."""
+_FELT = 0.01
+"""Least deceleration at the first speed that counts as the air's, a thousandth of the weight; what
+wheels with toe lose by their lateral forces is below it [m/s²]."""
 
 
 @register("manoeuvre", "coast_down")
@@ -77,7 +75,7 @@ class CoastDown(DrivingTest):
             return np.linalg.lstsq(columns / scale, lost, rcond=None)[0] / scale
 
         def felt() -> float:
-            """Return the part of the lost speed that forces as v² take, beside the tyres'."""
+            """Return the first deceleration by forces as v² beside those of the tyres [m/s²]."""
             kept = np.isin(signals.time, rolled.time)
             forces, loads = (
                 np.sum([recording.channels[name][:] for name in names], axis=0)[kept]
@@ -86,7 +84,7 @@ class CoastDown(DrivingTest):
             gravity = math.hypot(*(vehicle.worth(g) for g in vehicle.system.gravity))
             mass = float(np.mean(loads)) / gravity
             lost = speed[0] - speed + grown(forces) / mass
-            return float(fitted(lost)[1] * columns[-1, 1] / max(speed[0] - speed[-1], _SLOWED))
+            return float(fitted(lost)[1] * speed[0] ** 2)
 
         # Integrated over time, since the slope of samples is rough.
         columns = np.column_stack([time, grown(speed * speed)])
