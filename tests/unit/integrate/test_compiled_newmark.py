@@ -167,7 +167,11 @@ def moving(equations):
 @pytest.mark.parametrize("constraints", ["index3", "stabilised_index2"])
 @pytest.mark.parametrize("weights", WEIGHTS[::2])
 def test_multipliers(held, interpreted, weights, constraints, tolerance):
-    """Residuals are rounded otherwise: Newton's method may stop one iteration earlier or later."""
+    """Residuals are rounded otherwise: Newton's method may stop one iteration earlier or later.
+
+    Steps that follow a tolerance are as long as rounded errors ask for, which is seen ten times.
+    """
+    close = 1e-12 if tolerance is None else 1e-11
     for kernel in held:
 
         def go(kernel=kernel):
@@ -179,10 +183,10 @@ def test_multipliers(held, interpreted, weights, constraints, tolerance):
             return samples, family.run_newmark(task, "", weights, 0.02, **settings)
 
         one, other = go(), interpreted(go)
-        assert one[0].states == pytest.approx(other[0].states, rel=1e-12, abs=1e-12)
+        assert one[0].states == pytest.approx(other[0].states, rel=close, abs=close)
         assert np.ptp(one[0].states[:, 0]) > 0.1
         for name in ("samples", "steps", "smallest_step", "largest_step"):
-            assert getattr(one[1], name) == pytest.approx(getattr(other[1], name), rel=1e-12), name
+            assert getattr(one[1], name) == pytest.approx(getattr(other[1], name), rel=close), name
         assert one[1].evaluations == pytest.approx(other[1].evaluations, abs=one[1].steps)
 
 
