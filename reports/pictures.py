@@ -71,7 +71,7 @@ def _history(name: str) -> Figure:
         above.set_ylabel(axis_label(words, UNITS[key]))
         below.set_ylabel(axis_label("Difference", UNITS[key]))
         below.set_xlabel(axis_label("Time", "s"))
-        below.ticklabel_format(axis="y", scilimits=(-2, 2), useMathText=True)
+        below.ticklabel_format(axis="y", scilimits=(-2, 2))
     axes[0, 0].legend()
     return figure
 
@@ -91,7 +91,7 @@ def _kinematics() -> Figure:
         above.set_ylabel(axis_label(words, "deg"))
         below.set_ylabel(axis_label("Difference", "deg"))
         below.set_xlabel(axis_label("Vertical travel of the wheel", "mm"))
-        below.ticklabel_format(axis="y", scilimits=(-2, 2), useMathText=True)
+        below.ticklabel_format(axis="y", scilimits=(-2, 2))
     axes[0, 0].legend(title="circles: reference")
     return figure
 
