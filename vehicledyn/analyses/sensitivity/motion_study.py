@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -29,6 +28,7 @@ from vehicledyn.analyses.preparation.prepare import Point, set_speed, start_poin
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress
 from vehicledyn.analyses.sensitivity.names import START, Directions, Wanted
 from vehicledyn.analyses.sensitivity.pieces import Pieces
+from vehicledyn.analyses.sensitivity.steps import FIXED, grid_of, missed_by
 from vehicledyn.analyses.simulation.partitions.partition_course import PartitionCourse, RunCourse
 from vehicledyn.analyses.simulation.partitions.steady_partition import SteadyPartition, Unsteady
 from vehicledyn.analyses.simulation.prepared_run import prepare_run
@@ -37,10 +37,7 @@ from vehicledyn.base.errors import InputError, NumericalError, nearest_name
 from vehicledyn.base.step_memory import Memory
 from vehicledyn.base.units import shown
 from vehicledyn.files.scenario import LoadedScenario
-from vehicledyn.integrate.accuracy.proposed_step import proposed_step
 from vehicledyn.integrate.channel_ranges import Ranges
-from vehicledyn.integrate.fixed_step import steps_per_interval
-from vehicledyn.kernel.engine import Method
 from vehicledyn.kernel.tangent_code import Grid, TangentCode
 from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.road.manoeuvres.channel_recorder import Recording
@@ -49,8 +46,6 @@ Floats = NDArray[np.float64]
 
 _MOST_NUMBERS = 100_000_000
 """Of the samples and their derivatives, which are all kept at once."""
-
-_FIXED = (Method.RK4, Method.SYMPLECTIC_EULER)
 
 _AS_GOOD, _MOST_HALVINGS = 1e-5, 5
 """Part of a channel's range by which steps may miss it that stand for another method's, and how
@@ -110,7 +105,7 @@ class MotionStudy:
         chosen = chosen if back else [*needed_channels(prepared), *chosen]
         channels = list(dict.fromkeys(chosen))
         notes: list[str] = []
-        grid, n_intervals = _grid(loaded, prepared, start, notes)
+        grid, n_intervals = grid_of(loaded, prepared, start, notes)
         _check_size(n_intervals, len(all_names))
         progress("deriving and compiling the tangents", None)
         code = TangentCode(prepared.equations, channels, back=back)
@@ -130,7 +125,7 @@ class MotionStudy:
             written,
         )
         study.memory = memory or study.memory
-        kept = getattr(loaded.scenario.solver, "fixed_method", None) in _FIXED
+        kept = getattr(loaded.scenario.solver, "fixed_method", None) in FIXED
         return study if kept else study._with_judged_steps(progress)
 
     def _with_judged_steps(self, progress: Progress) -> MotionStudy:
@@ -144,7 +139,7 @@ class MotionStudy:
             progress("choosing the steps to follow", None)
             finer = replace(study.grid, per_interval=2 * study.grid.per_interval)
             found = replace(study, grid=finer).plain(progress).values
-            missed = _missed(ranges, values, found)
+            missed = missed_by(ranges, values, found)
             if missed <= _AS_GOOD:
                 break
             study, values = replace(study, grid=finer), found
@@ -380,37 +375,3 @@ def _known(run: dict[str, tuple[FigureSlope, Quantity]], name: str) -> tuple[Fig
         hint = f"; did you mean '{guess}'?" if guess else ""
         raise InputError(f"the run has no key figure '{name}'{hint}")
     return run[name]
-
-
-def _grid(
-    loaded: LoadedScenario, prepared: Prepared, start: Point, notes: list[str]
-) -> tuple[Grid, int]:
-    """Return the steps of a scenario; a method without derivatives is replaced, as noted."""
-    solver, interval = loaded.scenario.solver, loaded.scenario.output.interval
-    method = getattr(solver, "fixed_method", None)
-    step = getattr(solver, "step", None) if method in _FIXED else None
-    if method not in _FIXED:
-        method = Method.RK4
-    if step is None:
-        point = (0.0, start.state, start.unknowns)
-        step = proposed_step(prepared.kernel, method, point, interval)
-        name = Method(method).name.lower()
-        notes.append(f"derivatives are those of {name} steps of {shown(step, 's')}")
-    per_interval = steps_per_interval(step, interval)
-    whole = loaded.scenario.duration / interval
-    n_intervals = math.floor(whole * (1.0 + 1e-12) + 1e-9)
-    return Grid(int(method), 0.0, interval, per_interval), n_intervals
-
-
-def _missed(ranges: Ranges, coarse: Floats, fine: Floats) -> float:
-    """Return the largest difference of channels, as a part of each one's range.
-
-    Errors of constraints and the like count as little as what rounding makes of a zero.
-    """
-    if coarse.shape != fine.shape:
-        return math.inf
-    spans = np.ptp(fine, axis=0)
-    sizes = np.maximum(spans, 1e-9 * np.max(np.abs(fine), axis=0, initial=0.0))
-    sizes = np.where(ranges.matters, np.maximum(sizes, ranges.noise), math.inf)
-    differences = np.max(np.abs(coarse - fine), axis=0, initial=0.0)
-    return float(np.max(differences / sizes, initial=0.0))
