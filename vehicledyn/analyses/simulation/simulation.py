@@ -23,6 +23,7 @@ from vehicledyn.analyses.preparation.prepared import Prepared, Progress
 from vehicledyn.analyses.preparation.rounded_kinks import rounded_kinks
 from vehicledyn.analyses.preparation.sources import sources_of
 from vehicledyn.analyses.simulation.animation_recorder import Recorder, surroundings_of
+from vehicledyn.analyses.simulation.bent_beams import BentBeams
 from vehicledyn.analyses.simulation.cautions import cautions
 from vehicledyn.analyses.simulation.chosen_step import leaves_step, with_step
 from vehicledyn.analyses.simulation.judgement import judged_by
@@ -178,6 +179,7 @@ class _Run:
         channels = self.prepared.equations.channels
         names, units = [c.name for c in channels], [c.unit for c in channels]
         self._recording = RunRecording(names, units, self.kept, self.needed)
+        self._beams = BentBeams.of(self.prepared)
 
     def simulate(
         self, start: Point, output: Path, progress: Progress, known: Restart | None = None
@@ -314,13 +316,14 @@ class _Run:
         self.samples += len(t)
         self._last = (float(t[-1]), x[-1].copy(), z[-1].copy())
         self.turns.take(t, x, z)
+        self._beams.take(t, y)
         if self.recorder is not None:
             writer.append_pictures(self.recorder.take(t, y))
         writer.append(t, y[:, self.kept], np.hstack([x, z]))
 
     def _tell_of_turns(self) -> None:
-        """Note bodies whose angles came near to where they are singular."""
-        self.notes.extend(self.turns.remarks())
+        """Note bodies whose angles came near to where they are singular, and beams bent far."""
+        self.notes.extend([*self.turns.remarks(), *self._beams.remarks()])
         for item in self.turns.came_near():
             self.events.append(EventRecord(item.time, f"{item.body}.{SINGULAR_ANGLES}"))
 
