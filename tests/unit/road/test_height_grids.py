@@ -7,7 +7,7 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.road.ground.ascii_grid import read_ascii_grid
 from vehicledyn.road.ground.mesh_grid import grid_of_mesh
 from vehicledyn.road.surfaces.heightfield import Heightfield
-from vehicledyn.symbolic.bicubic_grids import BicubicGrid
+from vehicledyn.symbolic.grids.bicubic_grid import BicubicGrid
 
 HEAD = "ncols 3\nnrows 2\nxllcorner 1\nyllcorner 2\ncellsize 2\n"
 

@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from vehicledyn.symbolic.grids import GridTable
+from vehicledyn.symbolic.grids.grid_table import GridTable
 
 EVEN, UNEVEN = np.array([-1.0, 0.0, 1.0, 2.0]), np.array([-1.5, -1.25, 0.0, 2.0])
 HEIGHTS = np.array([[0.0, 0.3, -0.2, 0.5], [0.1, 0.2, 0.0, 0.4], [0.4, -0.1, 0.3, 0.2]])

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from vehicledyn.codegen.toolchain.fingerprint import function_text
-from vehicledyn.symbolic.bicubic_grids import BicubicGrid
-from vehicledyn.symbolic.grids import GridTable
+from vehicledyn.symbolic.grids.bicubic_grid import BicubicGrid
+from vehicledyn.symbolic.grids.grid_table import GridTable
 from vehicledyn.symbolic.table_calls import tables_in
 
 RANDOM = np.random.default_rng(7)

@@ -12,8 +12,8 @@ import numpy as np
 from vehicledyn.base.errors import InputError
 from vehicledyn.road.ground.enveloping import Array, Tandem
 from vehicledyn.symbolic import ops
-from vehicledyn.symbolic.grids import GridTable
-from vehicledyn.symbolic.run_time_numbers import RunTimeNumbers
+from vehicledyn.symbolic.grids.grid_table import GridTable
+from vehicledyn.symbolic.grids.run_time_numbers import RunTimeNumbers
 
 MOST_NODES = 2_000_000
 """Most places at which the lift of the cams is kept."""

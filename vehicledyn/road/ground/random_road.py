@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.special import gamma, kv, ndtri
 
 from vehicledyn.base.numbers.random_waves import random_phases, summed_waves
-from vehicledyn.symbolic.grids import GridTable
+from vehicledyn.symbolic.grids.grid_table import GridTable
 
 REFERENCE_FREQUENCY = 0.1
 """n0 [1/m]."""

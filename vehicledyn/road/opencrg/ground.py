@@ -13,8 +13,8 @@ from scipy.spatial import cKDTree
 from vehicledyn.base.errors import InputError
 from vehicledyn.road.opencrg.road import Border, CrgRoad
 from vehicledyn.symbolic import ops
-from vehicledyn.symbolic.grids import GridTable
-from vehicledyn.symbolic.run_time_numbers import RunTimeNumbers
+from vehicledyn.symbolic.grids.grid_table import GridTable
+from vehicledyn.symbolic.grids.run_time_numbers import RunTimeNumbers
 from vehicledyn.symbolic.tables import CurveTable
 
 ROUNDING = 0.05

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vehicledyn.road.surfaces.surface import Array
-    from vehicledyn.symbolic.bicubic_grids import BicubicGrid
+    from vehicledyn.symbolic.grids.bicubic_grid import BicubicGrid
 
 
 @register("road", "heightfield")
@@ -61,6 +61,6 @@ class Heightfield(FileSurface):
     def read(cls, path: Path, *settings: object) -> BicubicGrid:
         """Return the surface through the heights; see :meth:`FileSurface.read`."""
         from vehicledyn.road.ground.ascii_grid import read_ascii_grid
-        from vehicledyn.symbolic.bicubic_grids import BicubicGrid
+        from vehicledyn.symbolic.grids.bicubic_grid import BicubicGrid
 
         return BicubicGrid("heightfield", *read_ascii_grid(path))

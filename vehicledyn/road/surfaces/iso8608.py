@@ -13,7 +13,7 @@ from vehicledyn.symbolic.ops import Scalar
 
 if TYPE_CHECKING:
     from vehicledyn.road.ground.random_road import RandomRoad
-    from vehicledyn.symbolic.grids import GridTable
+    from vehicledyn.symbolic.grids.grid_table import GridTable
 
 CLASSES = {name: 16e-6 * 4.0**index for index, name in enumerate("ABCDEFGH")}
 """Gd(n0) of the classes, geometric means of their limits [m³]; ISO 8608:2016, table C.1."""

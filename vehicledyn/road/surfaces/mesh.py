@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vehicledyn.road.surfaces.surface import Array
-    from vehicledyn.symbolic.bicubic_grids import BicubicGrid
+    from vehicledyn.symbolic.grids.bicubic_grid import BicubicGrid
 
 
 @register("road", "mesh")
@@ -67,6 +67,6 @@ class Mesh(FileSurface):
     def read(cls, path: Path, *settings: float) -> BicubicGrid:
         """Return the surface through the nodes; see :meth:`FileSurface.read`."""
         from vehicledyn.road.ground.mesh_grid import grid_of_mesh
-        from vehicledyn.symbolic.bicubic_grids import BicubicGrid
+        from vehicledyn.symbolic.grids.bicubic_grid import BicubicGrid
 
         return BicubicGrid("mesh", *grid_of_mesh(path, *settings))

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from vehicledyn.symbolic.bicubic_grids import BicubicGrid
+    from vehicledyn.symbolic.grids.bicubic_grid import BicubicGrid
 
     Array = NDArray[np.float64]
 

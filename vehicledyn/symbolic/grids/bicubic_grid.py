@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.symbolic import ops
-from vehicledyn.symbolic.run_time_numbers import RunTimeNumbers
+from vehicledyn.symbolic.grids.run_time_numbers import RunTimeNumbers
 from vehicledyn.symbolic.tables import Array, CurveTable
 
 

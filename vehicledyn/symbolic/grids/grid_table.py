@@ -10,7 +10,7 @@ import numpy as np
 
 from vehicledyn.base.numbers.shape_preserving import level_slopes
 from vehicledyn.symbolic import ops
-from vehicledyn.symbolic.run_time_numbers import RunTimeNumbers
+from vehicledyn.symbolic.grids.run_time_numbers import RunTimeNumbers
 from vehicledyn.symbolic.tables import Array, CurveTable
 
 

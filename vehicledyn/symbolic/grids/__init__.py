@@ -1,0 +1,1 @@
+"""Tables over two places, as of roads: heights and slopes in grids of numbers."""
