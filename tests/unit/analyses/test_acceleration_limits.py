@@ -60,7 +60,7 @@ def test_a_locked_inner_wheel_ends_no_diagram():
     at = dict(zip(found.longitudinal, zip(found.ends, found.locked, strict=True), strict=True))
     assert at[-4.0] == (FRONT_GRIP, ("front_left", "rear_left"))
     assert at[3.0] == (LARGEST_FORCE, ())
-    words = " ".join(found.told())
+    words = " ".join(found.notes())
     assert "(front_left): at 0, 1, 2, 3, 4, 5, 6 m/s^2" in words
     assert "(front_left, rear_left): at -7, -6, -5, -4 m/s^2" in words
 
@@ -71,7 +71,7 @@ def test_a_spinning_wheel_ends_the_diagram():
     driven = found.longitudinal >= 0.0
     assert (np.diff(found.lateral[driven]) < 0.0).all()
     assert found.ends[-3:-1] == (WHEEL_SPIN, WHEEL_SPIN)
-    # A car that brakes first locks its inner rear wheel and comes to 6.25 m/s^2 only.
+    # A car that brakes first locks its inner rear wheel and reaches 6.25 m/s^2 only.
     later = dict(
         zip(found.longitudinal, zip(found.lateral, found.locked, strict=True), strict=True)
     )[-5.0]
@@ -96,7 +96,7 @@ def test_the_yaw_moment_diagram_is_found_as_far_as_the_drive_holds_the_speed():
     assert np.isnan(found.lateral_acceleration[[0, -1]]).all()
     lateral = found.lateral_acceleration[1:4]
     assert lateral == pytest.approx(-lateral[::-1, ::-1], abs=0.12)  # the load lies aside
-    assert found.told() == [
+    assert found.notes() == [
         "6 of 15 points have no balance, from 8 deg of side-slip on: the speed is not held, one "
-        "wheel comes to its largest force along and then locks or spins"
+        "wheel reaches its largest force along and then locks or spins"
     ]

@@ -37,12 +37,12 @@ def test_only_small_deflections_suit_modes(tmp_path, model, length, warned):
     """The end falls twice as far as it hangs at rest, by 0.121 of the length, or 0.0256."""
     (tmp_path / "strip.yaml").write_text(STRIP.replace("MODEL", model))
     (tmp_path / "run.yaml").write_text(RUN)
-    told = (
+    warning = (
         pytest.warns(AccuracyWarning, match="beam 'strip': its end moves aside by 0.12 of its")
         if warned
         else nullcontext()
     )
-    with told:
+    with warning:
         run = vd.simulate(
             vd.load(tmp_path / "run.yaml"), backend="interpreted", parameters={"length": length}
         )

@@ -36,7 +36,7 @@ along, behind which it locks or spins."""
 ENDS = {
     FRONT_GRIP: "the grip of the front wheels across ends the turns",
     REAR_GRIP: "the grip of the rear wheels across ends the turns",
-    LARGEST_FORCE: "one wheel comes to its largest force along and then locks or spins",
+    LARGEST_FORCE: "one wheel reaches its largest force along and then locks or spins",
     POWER_SLIDE: "a power slide with opposite lock begins",
     WHEEL_SPIN: "a driven wheel turns twice as fast as the ground",
     FULL_THROTTLE: "the drive reaches full throttle",
@@ -80,7 +80,7 @@ class AccelerationLimits:
     locked: tuple[tuple[str, ...], ...]
     lost: tuple[str, ...] = ()
 
-    def told(self) -> list[str]:
+    def notes(self) -> list[str]:
         """Return a sentence for each reason that ends turns, and for each set of locked wheels."""
         pairs = list(zip(self.ends, self.wheels, strict=True))
         ended = {

@@ -136,7 +136,7 @@ def steady_sheets(solver: SteadyTurn, wish: SteadyWish, progress: Progress) -> H
         progress("finding yaw moments", None)
         found_moments = _moments(solver, wish.speed, 2.0 * abs(angle))
         sheets["yaw_moments"] = _moment_sheet(found_moments)
-        notes += [f"yaw moments, {words}" for words in found_moments.told()]
+        notes += [f"yaw moments, {words}" for words in found_moments.notes()]
     if wish.limits:
         progress("finding limits of acceleration", None)
         limits = acceleration_limits(solver, wish.speed)
@@ -148,7 +148,7 @@ def steady_sheets(solver: SteadyTurn, wish: SteadyWish, progress: Progress) -> H
         }
         figures.append(_limit_figure("braking", -float(limits.longitudinal.min())))
         figures.append(_limit_figure("driving", float(limits.longitudinal.max())))
-        notes += [f"limits, {words}" for words in (*limits.lost, *limits.told())]
+        notes += [f"limits, {words}" for words in (*limits.lost, *limits.notes())]
     title = f"Steady cornering at {wish.speed * 3.6:.4g} km/h and {wish.radius:.4g} m"
     return HandlingTable(title, solver.car.title, sheets, figures, tuple(notes))
 

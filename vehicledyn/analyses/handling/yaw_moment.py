@@ -4,7 +4,7 @@ At each side-slip and steering angle the car is held at its speed with the yaw r
 its lateral acceleration belongs to, in balance but for yaw: the moment that a rig would hold it by
 is that which turns it (Milliken, Milliken: Race Car Vehicle Dynamics, SAE 1995, chapter 8). At
 great side-slip angles the drive may not hold the speed: the lightest driven wheel behind an open
-differential comes to its largest force, or throttle to its end. There is no balance there.
+differential reaches its largest force, or throttle to its end. There is no balance there.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ class YawMoments:
     yaw_acceleration: Vector
     reasons: NDArray[np.str_]
 
-    def told(self) -> list[str]:
+    def notes(self) -> list[str]:
         """Return a sentence for each reason that leaves points without a balance."""
         lines = []
         for reason in np.unique(self.reasons[self.reasons != ""]):

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 _MOST_SPEEDS = 100
 
 _TOLD_DIP = 0.05
-"""Swing of the spline aside from which on it is told, a third of a tyre's width [m]."""
+"""Swing of the spline aside that is reported, a third of a tyre's width [m]."""
 
 
 @register("manoeuvre", "path")
