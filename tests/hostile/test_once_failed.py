@@ -17,7 +17,7 @@ import table_cases
 import yaml_cases
 from harness import Case, run
 
-from vehicledyn.analyses.sensitivity.motion_study import _check_size
+from vehicledyn.analyses.sensitivity.motion_study import check_size
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.files.column_files import Column, read_columns
 from vehicledyn.base.slope_text import slope_of
@@ -708,9 +708,9 @@ def test_forces_of_more_samples_than_memory_holds():
 
 
 def test_derivatives_of_more_samples_than_memory_holds():
-    _check_size(10_000, 10_000)
+    check_size(10_000, 10_000)
     with pytest.raises(InputError, match="more than fit the memory; take a longer one"):
-        _check_size(20_000_000, 40)
+        check_size(20_000_000, 40)
 
 
 BLANKS = " " * 100_000

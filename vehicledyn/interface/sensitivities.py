@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from vehicledyn.files.scenario.target import Target
     from vehicledyn.results.tables.sensitivity_table import SensitivityTable
 
+_AT_SPEED = "linear", "response", "cycle"
+"""Analyses that have a speed of their own."""
+
 
 def sensitivity(
     scenario: Source,
@@ -47,7 +50,9 @@ def sensitivity(
         cycles: ``cycle_period``, ``cycle_amplitude(axle.y)``, ``cycle_mean(...)`` and
         ``nonlinear_critical_speed``; or channels
         along a driven path without forces, such as
-        ``kinematics(wheel.toe_angle, wheel.z, 276 mm:356 mm:4)``.
+        ``kinematics(wheel.toe_angle, wheel.z, 276 mm:356 mm:4)``; or of inverse dynamics, such as
+        ``inverse(crank.angle_force)``, ``inverse(max(crank.angle_force))`` and
+        ``inverse(crank.angle.work)``.
     to
         Parameters, by patterns such as ``parameters.front.*``, and start values of states, such
         as ``start.chassis.y``.
@@ -78,30 +83,24 @@ def sensitivity(
         If the run fails or its derivative does not exist.
     """
     from vehicledyn.analyses.preparation.target_digest import digests_to_keep
-    from vehicledyn.analyses.sensitivity.figure_kinds import (
-        is_cycle,
-        is_kinematic,
-        is_linear,
-        is_response,
-    )
+    from vehicledyn.analyses.sensitivity.figure_kinds import analysis_of
     from vehicledyn.analyses.sensitivity.report import SensitivityReport
     from vehicledyn.results.tables.sensitivity_table import write_sensitivity
 
     names, patterns, changes = texts("of", of), texts("to", to), override_texts(set, settings)
-    linear = [is_linear(name) for name in names]
-    responses = [is_response(name) for name in names]
-    kinematic = [is_kinematic(name) for name in names]
-    cycles = [is_cycle(name) for name in names]
-    if len({*zip(linear, responses, kinematic, cycles, strict=True)}) > 1:
+    kinds_asked = {analysis_of(name) for name in names}
+    if len(kinds_asked) > 1:
         raise InputError(
-            "figures of the linearised model, of its responses, of limit cycles, of kinematics "
-            "and of a run have results of their own; ask for them one after the other"
+            "figures of the linearised model, of its responses, of limit cycles, of kinematics, "
+            "of inverse dynamics and of a run have results of their own; ask for them one after "
+            "the other"
         )
-    if speed is not None and not (linear[0] or responses[0] or cycles[0]):
+    kind = kinds_asked.pop() if kinds_asked else "run"
+    if speed is not None and kind not in _AT_SPEED:
         raise InputError(
             "speed: is for linearised models and limit cycles; a run has the scenario's speed"
         )
-    if along is not None and (linear[0] or responses[0] or cycles[0] or kinematic[0]):
+    if along is not None and kind != "run":
         raise InputError("along: second derivatives are those of figures of a run's channels")
     with result_place(save_to, may_exist=overwrite, resume=resume) as place:
         reported, at = reporter(progress), None if speed is None else speed_in_si(speed)
@@ -110,11 +109,11 @@ def sensitivity(
             digests = digests_to_keep(place.kept, [target])
             return place.kept.memory("sensitivity", digests, names, patterns, at, kinds=kinds)
 
-        if linear[0] or responses[0] or cycles[0]:
+        if kind in _AT_SPEED:
             target = read_target(scenario, changes)
-            find, kinds = _finder(names[0])
+            find, kinds = _finder(kind)
             table = find(target, names, patterns, at, reported, memory=memory(target, kinds))
-        elif kinematic[0]:
+        elif kind == "kinematic":
             from vehicledyn.analyses.sensitivity import kinematic_curves
 
             target = read_target(scenario, changes)
@@ -122,6 +121,12 @@ def sensitivity(
             table = kinematic_curves.find_kinematic_sensitivity(
                 target, names, patterns, reported, memory=known
             )
+        elif kind == "inverse":
+            from vehicledyn.analyses.sensitivity.inverse_forces import find_inverse_sensitivity
+
+            loaded = read_scenario(scenario, changes)
+            known = memory(loaded, ())
+            table = find_inverse_sensitivity(loaded, names, patterns, reported, memory=known)
         elif along is not None:
             from vehicledyn.analyses.sensitivity.curvature import find_curvature
 
@@ -137,15 +142,13 @@ def sensitivity(
         return place.value(SensitivityReport(table))
 
 
-def _finder(name: str) -> tuple[Callable[..., SensitivityTable], tuple[type, ...]]:
+def _finder(kind: str) -> tuple[Callable[..., SensitivityTable], tuple[type, ...]]:
     """Return what finds derivatives of linear models, responses or cycles, and what it keeps."""
-    from vehicledyn.analyses.sensitivity.figure_kinds import is_cycle, is_linear
-
-    if is_linear(name):
+    if kind == "linear":
         from vehicledyn.analyses.sensitivity import linear
 
         return linear.find_linear_sensitivity, linear.KINDS
-    if is_cycle(name):
+    if kind == "cycle":
         from vehicledyn.analyses.sensitivity import cycles
 
         return cycles.find_cycle_sensitivity, cycles.KINDS

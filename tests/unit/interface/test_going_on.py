@@ -33,6 +33,9 @@ CASES = {
         vd.sensitivity,
         ["four_bar", "kinematics(rocker.angle, crank.angle, -60 deg:-40 deg:3)"], {},
     ),
+    "forces' slopes": (
+        vd.sensitivity, ["slider_crank", "inverse(crank.angle.work)"], {"duration": "90 ms"},
+    ),
 }  # fmt: skip
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.analyses.mechanism.drive_columns import DriveColumns
 from vehicledyn.analyses.mechanism.inverse import channel_rows
 from vehicledyn.analyses.preparation.build_model import build_subject
 from vehicledyn.analyses.preparation.model_hash import model_facts
@@ -23,23 +23,16 @@ from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.files.system.read import SystemModel
 from vehicledyn.kernel.kernel import Kernel
 from vehicledyn.kernel.make_kernel import Backend, compile_kernel
-from vehicledyn.multibody.equations.inverse_dynamics import (
-    PRESCRIBED,
-    InverseDynamics,
-    derive_inverse,
-)
+from vehicledyn.multibody.equations.inverse_dynamics import InverseDynamics, derive_inverse
 from vehicledyn.multibody.model.system import System
 from vehicledyn.results.hdf5.kept_work import KeptWork
 from vehicledyn.results.hdf5.output import check_output
 from vehicledyn.results.store.layout import ResultHeader, SummaryEntry
 from vehicledyn.results.store.writer import ResultWriter
-from vehicledyn.symbolic.equations import Channel
 
 Array = NDArray[np.float64]
 _CHUNK = 256
 _MOST_SAMPLES = 1_000_000
-_LINES = 6
-_SHOWN_IN = {"rad": "deg", "rad/s": "deg/s"}
 
 
 @dataclass
@@ -109,19 +102,11 @@ def find_forces(
     check_output(output)
     progress("deriving the inverse dynamics", None)
     system = build_subject(loaded).system
-    s = loaded.scenario
-    samples = round(s.duration / s.output.interval) + 1
-    if samples > _MOST_SAMPLES:
-        raise InputError(
-            f"output.interval: {s.output.interval:g} s gives {samples} samples, and forces of at "
-            f"most {_MOST_SAMPLES} are found at once; take a longer one or a shorter duration",
-            about=["output.interval"],
-        )
-    times = np.linspace(0.0, s.duration, samples)
-    motion, inverse = _prepared(loaded, system, table)
-    tables = motion.at(times) if motion is not None else _no_motion(len(times))
+    times = sample_times(loaded)
+    motion, inverse = prepared_motion(loaded, system, table)
+    tables = motion.at(times) if motion is not None else no_motion(len(times))
     kernel = compile_kernel(inverse.equations, backend=backend, progress=progress)
-    book = _Columns.of(inverse)
+    book = DriveColumns.of(inverse)
     report = InverseReport(output)
     facts = model_facts(inverse.equations, kernel.parameters)
     memory = (kept or KeptWork()).memory("inverse", facts, kernel.backend, times, tables)
@@ -178,10 +163,37 @@ def _rows(
     return rows, unknowns, ""
 
 
-def _prepared(
+def sample_times(loaded: LoadedScenario) -> Array:
+    """Return the times at which forces are found, those of the scenario's output [s].
+
+    Raises
+    ------
+    InputError
+        If there are too many.
+    """
+    s = loaded.scenario
+    samples = round(s.duration / s.output.interval) + 1
+    if samples > _MOST_SAMPLES:
+        raise InputError(
+            f"output.interval: {s.output.interval:g} s gives {samples} samples, and forces of at "
+            f"most {_MOST_SAMPLES} are found at once; take a longer one or a shorter duration",
+            about=["output.interval"],
+        )
+    return np.linspace(0.0, s.duration, samples)
+
+
+def prepared_motion(
     loaded: LoadedScenario, system: System, table: Path | None
 ) -> tuple[Motion | None, InverseDynamics]:
-    """Return the motion and the inverse dynamics it goes with."""
+    """Return the motion of a scenario or table and the inverse dynamics it goes with.
+
+    There is no motion where the system itself drives all coordinates.
+
+    Raises
+    ------
+    InputError
+        If the motion is missing, wrong, or not that of all degrees of freedom.
+    """
     given, written = loaded.scenario.motion, loaded.written
     if table is None and isinstance(given, str):
         table = loaded.path.parent / given
@@ -204,80 +216,12 @@ def _prepared(
     return motion, inverse
 
 
-def _no_motion(n_times: int) -> tuple[Array, Array, Array]:
+def no_motion(n_times: int) -> tuple[Array, Array, Array]:
+    """Return positions, rates and accelerations of no coordinate at some times."""
     return tuple(np.zeros((n_times, 0)) for _ in range(3))  # type: ignore[return-value]
 
 
-@dataclass(frozen=True)
-class _Columns:
-    """Channels of the result: those of the equations and the power of each drive."""
-
-    channels: tuple[Channel, ...]
-    kept: tuple[int, ...]
-    forces: tuple[tuple[int, int], ...]
-    coordinates: tuple[str, ...]
-
-    @classmethod
-    def of(cls, inverse: InverseDynamics) -> _Columns:
-        """Return the channels; states of the prescribed motion are left out."""
-        everything = inverse.equations.channels
-        kept = tuple(k for k, c in enumerate(everything) if not c.name.startswith(PRESCRIBED))
-        own = [everything[k] for k in kept]
-        index = {c.name: k for k, c in enumerate(own)}
-        driven = inverse.equations.structure["driven"]
-        pairs = {
-            n: (index[f"{n}_force"], index[f"{n}_rate"]) for n in driven if f"{n}_force" in index
-        }
-        powers = [Channel(f"{n}_power", "W", f"Power of the drive of {n}", "joint") for n in pairs]
-        return cls((*own, *powers), kept, tuple(pairs.values()), tuple(pairs))
-
-    def complete(self, row: Array) -> Array:
-        """Return a row of the channels kept, with the powers."""
-        row = row[list(self.kept)]
-        return np.concatenate([row, [row[force] * row[rate] for force, rate in self.forces]])
-
-    def summary(self, times: Array, table: Array) -> Iterator[SummaryEntry]:
-        """Yield the largest force and power of each drive, and its work."""
-        first = len(self.channels) - len(self.forces)
-        for k, name in enumerate(self.coordinates):
-            force, power = table[:, self.forces[k][0]], table[:, first + k]
-            unit = self.channels[self.forces[k][0]].unit
-            text = f"drive of {name}"
-            yield SummaryEntry(
-                f"{name}.force", float(np.abs(force).max()), unit, f"Largest force, {text}"
-            )
-            yield SummaryEntry(
-                f"{name}.power", float(np.abs(power).max()), "W", f"Largest power, {text}"
-            )
-            work = float(np.trapezoid(power, times)) if len(times) > 1 else 0.0
-            yield SummaryEntry(
-                f"{name}.work", work, "J", f"Work, {text}, as far as the samples tell"
-            )
-
-    def plots(self) -> list[dict[str, Any]]:
-        """Return figures of motion, forces and power of the drives."""
-        names = list(self.coordinates)
-        units = {c.name: c.unit for c in self.channels}
-        wanted = {
-            "motion": ("Prescribed motion", "Coordinate", names),
-            "rates": ("Rates of the prescribed motion", "Rate", [f"{n}_rate" for n in names]),
-            "forces": ("Forces of the drives", "Force", [f"{n}_force" for n in names]),
-            "power": ("Power of the drives", "Power", [f"{n}_power" for n in names]),
-        }
-        return [
-            {"name": key, "title": title, "kind": "time", "panels": panels}
-            for key, (title, label, channels) in wanted.items()
-            if (panels := list(_panels(label, channels, units)))
-        ]
-
-
-def _panels(label: str, channels: list[str], units: dict[str, str]) -> Iterator[dict[str, Any]]:
-    for unit in dict.fromkeys(units[name] for name in channels):
-        lines = [name for name in channels if units[name] == unit][:_LINES]
-        yield {"label": label, "unit": _SHOWN_IN.get(unit, unit), "channels": lines}
-
-
-def _header(loaded: LoadedScenario, system: System, book: _Columns) -> ResultHeader:
+def _header(loaded: LoadedScenario, system: System, book: DriveColumns) -> ResultHeader:
     return ResultHeader(
         title=f"Inverse dynamics: {loaded.title}",
         model=system.name,

@@ -106,7 +106,7 @@ class MotionStudy:
         channels = list(dict.fromkeys(chosen))
         notes: list[str] = []
         grid, n_intervals = grid_of(loaded, prepared, start, notes)
-        _check_size(n_intervals, len(all_names))
+        check_size(n_intervals, len(all_names))
         progress("deriving and compiling the tangents", None)
         code = TangentCode(prepared.equations, channels, back=back)
         course = PartitionCourse(prepared.subject.system, lambda: prepared.watch)
@@ -202,7 +202,7 @@ class MotionStudy:
         by_state = self.start_slopes(chosen)
         by_state[list(self.held)] = 0.0
         by_state = by_state + chosen.by_state
-        _check_size(self.n_intervals, len(self.channels) * by_state.shape[1])
+        check_size(self.n_intervals, len(self.channels) * by_state.shape[1])
         given = partial(
             follow,
             grid=self.grid,
@@ -352,7 +352,7 @@ class MotionStudy:
         return {name: (slope, about[name]) for name, slope in found.items()}
 
 
-def _check_size(n_intervals: int, width: int) -> None:
+def check_size(n_intervals: int, width: int) -> None:
     """Refuse a motion whose samples, each of so many numbers, do not fit the memory."""
     if n_intervals * width > _MOST_NUMBERS:
         raise InputError(

@@ -130,4 +130,5 @@ def wanted(equations: Equations, of: Sequence[str], known: Sequence[str]) -> Wan
         found.curves += [item for item in curves if item not in found.curves]
         found.others += [item for item in others if item not in found.others]
     found.figures += [(kind, name) for name in found.curves for kind in ("min", "max", "rms")]
+    found.figures = list(dict.fromkeys(found.figures))
     return found

@@ -29,7 +29,8 @@ def sensitivity(
             help="Key figure, channel, or figure of a channel such as 'max(chassis.roll)'; or "
             "'eigenvalues', 'mode_shapes', 'critical_speed', 'nonlinear_critical_speed', "
             "'cycle_amplitude(CHANNEL)', 'cycle_period', 'equilibrium.COORDINATE', "
-            "'gain(OUTPUT, INPUT, 1.5 Hz)', 'phase(...)', 'kinematics(CHANNEL, DRIVE, VALUES)'; "
+            "'gain(OUTPUT, INPUT, 1.5 Hz)', 'phase(...)', 'kinematics(CHANNEL, DRIVE, VALUES)', "
+            "'inverse(CHANNEL)'; "
             "may be repeated.",
         ),
     ],

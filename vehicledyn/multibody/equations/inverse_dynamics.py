@@ -116,6 +116,23 @@ class InverseDynamics:
                 state[index[f"{_PART}.{name}{suffix}"]] = value
         return state
 
+    def state_tangents(
+        self, position: ArrayLike, rate: ArrayLike, acceleration: ArrayLike
+    ) -> NDArray[np.float64]:
+        """Return derivatives of the state vector, shape (n_states, n_directions).
+
+        Parameters
+        ----------
+        position, rate, acceleration
+            Derivatives of the prescribed motion, each of shape (n_coordinates, n_directions).
+        """
+        index = {variable.name: k for k, variable in enumerate(self.equations.states)}
+        tables = [np.asarray(item, dtype=float) for item in (position, rate, acceleration)]
+        tangents = np.zeros((len(index), tables[0].shape[1]))
+        for suffix, table in zip(("", "_rate", "_acceleration"), tables, strict=True):
+            tangents[[index[f"{_PART}.{name}{suffix}"] for name in self.coordinates]] = table
+        return tangents
+
 
 def derive_inverse(system: System, coordinates: Sequence[str] | None = None) -> InverseDynamics:
     """Return the inverse dynamics of a system.
