@@ -8,8 +8,7 @@ any guidance of the follower, and to first order beside.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.cams.cam import Cam
 from vehicledyn.cams.follower import LineFollower, PointFollower
 from vehicledyn.cams.followers.axial import AxialRoller

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.kernel.engine import Vector
 from vehicledyn.symbolic.equations import Equations
 

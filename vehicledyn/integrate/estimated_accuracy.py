@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+
+from vehicledyn.base.lazy_data import dataclass
 
 ENERGY = "energy_drift"
 """Name of the energy's balance among key figures."""

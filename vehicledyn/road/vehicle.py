@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
+from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.model.bodies import Joint, Turn
 from vehicledyn.multibody.model.parts import Part
 from vehicledyn.multibody.model.system import System

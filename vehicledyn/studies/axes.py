@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from array import array
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Any, Literal
 
+from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.units import is_pure
 
 if TYPE_CHECKING:

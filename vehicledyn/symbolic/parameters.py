@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, TypeVar, cast
 
+from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.parameters import ParameterSet, field_unit
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar

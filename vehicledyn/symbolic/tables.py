@@ -10,7 +10,6 @@ import hashlib
 import math
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 from weakref import WeakValueDictionary
@@ -18,6 +17,7 @@ from weakref import WeakValueDictionary
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.numbers.even_spline import even_spline
 from vehicledyn.symbolic.cell_functions import PREFIX, cell_function
 

@@ -8,8 +8,9 @@ guided link at its outer end. The carrier turns about the line between the two b
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
+from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.elements.drives import ConstantRate
 from vehicledyn.multibody.elements.motion_sensors import Accelerometer, BodySensor, SequenceSensor
 from vehicledyn.multibody.elements.point_forces import Attachment, Link

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.elements.point_forces import Attachment
 from vehicledyn.multibody.model.parts import BasePart, Output, Situation
 from vehicledyn.symbolic import ops

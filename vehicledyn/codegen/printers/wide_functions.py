@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 
+from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.codegen.passes.loop_rolling import is_deep
 from vehicledyn.codegen.passes.lowering import Lowered
 from vehicledyn.codegen.passes.scheduling import Pack

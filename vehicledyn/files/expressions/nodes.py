@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.files.expressions.algebra import Quantity
 
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import fields
 
 from vehicledyn.base.errors import InputError
+from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.bodies.beam_sections import Section
 from vehicledyn.multibody.bodies.beam_shapes import quadrature
 from vehicledyn.multibody.model.declaration import choice, number

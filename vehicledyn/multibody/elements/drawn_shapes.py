@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 
+from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.shapes import Shape
 from vehicledyn.multibody.model.parts import BasePart
 

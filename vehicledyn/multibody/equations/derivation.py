@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache, partial
 
 import numpy as np
 
 from vehicledyn.base.errors import InputError
+from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.equations.assemble_equations import (
     Roles,
     collect,

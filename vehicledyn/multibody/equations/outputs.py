@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.validation_messages import lower_first
 from vehicledyn.multibody.equations.multipliers import Projection
 from vehicledyn.multibody.loops.closure import Closure, MultiplierClosure

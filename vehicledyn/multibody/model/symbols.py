@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from vehicledyn.base.errors import InputError
+from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.model.bodies import Joint
 from vehicledyn.multibody.model.kinematics import Kinematics
 from vehicledyn.multibody.model.parts import Clock, Motion, Part, Situation, TransmittedForces

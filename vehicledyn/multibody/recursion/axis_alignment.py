@@ -11,10 +11,11 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
+from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.model.bodies import Body
 from vehicledyn.multibody.model.parts import Wrench
 from vehicledyn.multibody.model.tree import Link, Tree

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.model.bodies import Body
 from vehicledyn.multibody.model.deformation import Flexibility
 from vehicledyn.multibody.model.kinematics import Kinematics

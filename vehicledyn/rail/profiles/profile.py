@@ -9,10 +9,11 @@ before the rail is inclined. Profiles of left and right side are mirror images o
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 
+from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.rail.profiles.profile_names import Kind
 from vehicledyn.rail.profiles.profile_pieces import Floats, Piece, Table
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from vehicledyn.base.errors import InputError
+from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.problems import Mark, Problem, refusal
 from vehicledyn.base.units import parse_unit
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import h5py
 
+from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.results.hdf5.damage import rows_in_words
 from vehicledyn.results.hdf5.opening import OpenFile
 from vehicledyn.results.hdf5.seal import DamagedError

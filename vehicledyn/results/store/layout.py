@@ -23,13 +23,14 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from vehicledyn.base.errors import InputError
+from vehicledyn.base.lazy_data import dataclass
 
 FORMAT = "vehicledyn-result"
 FORMAT_VERSION = 1

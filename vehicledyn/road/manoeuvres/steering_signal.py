@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, fields
+from dataclasses import field, fields
 
+from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.road.manoeuvres.time_table import TimeTable
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar

@@ -14,8 +14,9 @@ corrections of B and E are those of the programs that have them.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
+from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.road.tyres.magic_formula_sets import (
     AligningCoefficients,
     LateralCoefficients,

@@ -19,10 +19,11 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from pydantic import Field
 
+from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.parameters import ParameterSet, quantity
 from vehicledyn.base.registry import register
 from vehicledyn.road.tyres.smooth import floored

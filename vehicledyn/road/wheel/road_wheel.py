@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from vehicledyn.base.errors import InputError
+from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.shapes import Anchor, Force, Plane, Shape, Wheel
 from vehicledyn.multibody.model.parts import BasePart, Loads, Output, Situation, Wrench
 from vehicledyn.road.surfaces.surface import RoadSurface, ground_normal

@@ -14,8 +14,7 @@ must resolve.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.road.tyres.smooth import floored
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from vehicledyn.analyses.simulation.partitions.dead_points import DeadPoints
 from vehicledyn.analyses.simulation.partitions.interruptions import Crossing
 from vehicledyn.analyses.simulation.partitions.partition_changes import (
@@ -11,6 +9,7 @@ from vehicledyn.analyses.simulation.partitions.partition_changes import (
     RestartPoint,
 )
 from vehicledyn.base.errors import NumericalError
+from vehicledyn.base.lazy_data import dataclass
 
 
 @dataclass

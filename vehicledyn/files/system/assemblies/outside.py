@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
+from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.files.system.joints import Coordinate
 
 _CONSTRAINTS = ("cuts", "constraints")

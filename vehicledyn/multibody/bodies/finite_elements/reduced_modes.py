@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.bodies.finite_elements.geometric_stiffness import second_order
 from vehicledyn.multibody.bodies.finite_elements.integrals import (
     InertiaIntegrals,
