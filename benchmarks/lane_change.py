@@ -1,9 +1,11 @@
-"""Measure the sedan in the lane change of ISO 3888-1: ``benchmarks/lane_change.py [--quick]``.
+"""Measure cars in the lane change of ISO 3888-1: ``benchmarks/lane_change.py [--quick] [MODEL]``.
 
-A right-hand side, and a run without samples alone and in SIMD lanes, times real time on one core;
-cases in lanes have masses of their own. Tyres are Magic Formula 6.1, the driveline that of the
-model. Candidates take turns; times are processor times, of which the median is printed with the
-smallest and the largest, with the load of the machine, which slows a shared core. Writes nothing.
+Whether the driver keeps the cones at 80 km/h and how exact the run is; then a right-hand side, and
+a run without samples alone and in SIMD lanes, times real time on one core; cases in lanes have
+masses of their own. Tyres are Magic Formula 6.1, the driveline that of the model; the bushed sedan
+has its lower arms on bushings. Candidates take turns; times are processor times, of which the
+median is printed with the smallest and the largest, with the load of the machine, which slows a
+shared core. Writes nothing.
 """
 
 from __future__ import annotations
@@ -16,7 +18,7 @@ from pathlib import Path
 import numpy as np
 from lanes import SPREAD, STAGES, Figure, Track, words
 
-import vehicledyn.catalogue  # noqa: F401 - registers models, tyres, solvers
+import vehicledyn as vd
 from vehicledyn.analyses.preparation.prepare import equilibrium_point, prepare
 from vehicledyn.files.scenario import load_scenario
 from vehicledyn.integrate.batch import Cases
@@ -29,14 +31,22 @@ speed: 80 km/h
 wheel_spin: free
 manoeuvre:
   kind: double_lane_change
-  driver: {{kind: preview, preview_time: 0.65 s, lag_frequency: 25 rad/s, lag_damping: 0.8,
-    rack_stop: 60 mm}}
+  driver: {{kind: macadam, preview_time: 0.65 s, points: 5, speed: 80 km/h, mass: {mass},
+    yaw_inertia: {yaw_inertia}, front_distance: {axle}, rear_distance: {axle},
+    front_stiffness: 130 kN/rad, rear_stiffness: 130 kN/rad, lag_frequency: 30 rad/s,
+    lag_damping: 0.8, rack_stop: 60 mm}}
   speed_control: {{proportional_gain: 1000 N*s, integral_gain: 100 N}}
 duration: 8 s
-solver: {{kind: rk4, step: 1 ms}}
+solver: {{kind: rk4, step: {step} s}}
 output: {{interval: 20 ms}}
 """
-MODELS = ("small_car", "sedan")
+SEDAN = {"mass": "1750 kg", "yaw_inertia": "3300 kg*m^2", "axle": "1.39 m"}
+DRIVERS = {
+    "small_car": {"mass": "1000 kg", "yaw_inertia": "1500 kg*m^2", "axle": "1.1 m"},
+    "sedan": SEDAN,
+    "bushed_sedan": SEDAN,
+}
+"""What the driver of a model takes its car for."""
 GOALS = {1: ">= 150", 4: ">= 400", 8: ">= 400"}
 CASES = 16
 
@@ -45,7 +55,9 @@ def figures_of(model, repeats, step):
     """Return microseconds of a right-hand side and runs times real time, alone and in lanes."""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "lane_change.yaml"
-        file.write_text(SCENARIO.format(model=model), encoding="utf-8")
+        text = SCENARIO.format(model=model, step=step, **DRIVERS[model])
+        file.write_text(text, encoding="utf-8")
+        summary = vd.simulate(file).summary
         loaded = load_scenario(file)
         prepared = prepare(loaded, backend="compiled", progress=lambda what, part: None)
     scenario, entries = loaded.scenario, prepared.equations.parameters
@@ -61,7 +73,11 @@ def figures_of(model, repeats, step):
     counts = prepared.kernel.report.operations
     operations = counts["rates"] + counts["blocks"]
     name = f"{model}, rk4 at {1e3 * step:g} ms"
-    figures = [Figure(f"{model}, operations of a right-hand side", "1", [operations])]
+    gates = [summary[f"clearance_{section}"].value for section in (1, 3, 5)]
+    figures = [
+        Figure(f"{name}, smallest clearance of the sections", "m", gates, "> 0"),
+        Figure(f"{model}, operations of a right-hand side", "1", [operations]),
+    ]
     for lanes, times in track.measure(repeats).items():
         sides = [1e6 * t / (STAGES * track.steps) for t in times]
         goal = "<= 3" if lanes == 1 else ""
@@ -77,8 +93,8 @@ def main():
     """Print a line for each figure."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--quick", action="store_true", help="few repetitions")
-    parser.add_argument("--step", type=float, default=1e-3, help="step in s")
-    parser.add_argument("models", nargs="*", default=MODELS)
+    parser.add_argument("--step", type=float, default=2e-3, help="step in s")
+    parser.add_argument("models", nargs="*", default=list(DRIVERS))
     options = parser.parse_args()
     for model in options.models:
         for figure in figures_of(model, 2 if options.quick else 5, options.step):

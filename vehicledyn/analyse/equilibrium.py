@@ -26,7 +26,7 @@ _COSTLY = 1_500_000
 serve instead of it: Newton's method then gains but five digits a step."""
 
 _ROUNDING = 32.0 * float(np.finfo(float).eps)
-"""Relative changes of the states in an equilibrium that are but rounding."""
+"""Changes of the states in an equilibrium that are but rounding, relative to their size or 1."""
 
 _LARGEST_TURN = 0.5
 """How far a coordinate may turn at once on the way to an equilibrium [rad]."""

@@ -72,8 +72,10 @@ def solve_damped(
         Whether to go on by Levenberg and Marquardt's method where Newton's fails; a continuation
         rather takes a shorter step.
     rounding
-        Relative changes of the unknowns that are but rounding: a residual that such changes make
-        counts as zero too, |f| ≤ rounding |∂f/∂x| |x| row by row (Oettli, Prager 1964).
+        Changes of the unknowns that are but rounding, relative to their size or, since unknowns
+        that vanish hang on places that do not, to one metre or radian: a residual that such
+        changes make counts as zero too, |f| ≤ rounding |∂f/∂x| max(|x|, 1) row by row (after
+        Oettli, Prager 1964).
     """
     ends = tolerance, rounding
     result = _newton(evaluate, start, ends, max_iterations, largest_step)
@@ -162,7 +164,7 @@ def _newton(
 def _is_zero(point: Vector, residual: Vector, jacobian: Vector, ends: tuple[float, float]) -> bool:
     """Return whether each residual is at most the tolerance, or what rounding of x makes of it."""
     tolerance, rounding = ends
-    made = rounding * (np.abs(jacobian) @ np.abs(point)) if rounding else 0.0
+    made = rounding * (np.abs(jacobian) @ np.maximum(np.abs(point), 1.0)) if rounding else 0.0
     return bool(np.all(np.abs(residual) <= np.maximum(tolerance, made)))
 
 

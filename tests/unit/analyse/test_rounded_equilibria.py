@@ -36,3 +36,15 @@ def test_what_nothing_balances_is_refused():
         unbalanced, np.ones(2), tolerance=1e-9, rounding=_ROUNDING, persistent=False
     )
     assert not found.solved
+
+
+def test_rounding_of_places_that_a_vanishing_state_hangs_on_is_no_residual():
+    """A stiff spring's deflection of 1e-7 m is the difference of places half a metre away."""
+
+    def noisy(point):
+        residual = _STIFF * ((point + 0.5) - 0.5 - 1e-7) + 5e-8
+        return residual, np.array([[_STIFF]])
+
+    found = solve_damped(noisy, np.zeros(1), tolerance=1e-9, rounding=_ROUNDING, persistent=False)
+    assert found.solved
+    assert found.point[0] == pytest.approx(1e-7, abs=1e-15)

@@ -191,6 +191,33 @@ def test_the_sedan_states_the_steering_gain_of_its_axle():
     assert stated == pytest.approx(np.mean(gains), rel=1e-3)
 
 
+def test_the_bushed_sedan_stands_on_its_bushings():
+    """Its wheels carry its weight, and its bushings what the arms push across, rate by rate."""
+    found = vd.equilibrium("bushed_sedan")
+    loads = [float(found[name]) for name in found if name.endswith(".tyre.normal_force")]
+    assert len(loads) == 4
+    assert loads[0] == pytest.approx(loads[1], rel=1e-6)
+    assert sum(loads) == pytest.approx(9.81 * 1671.261, rel=1e-4)
+    for end, stiffness in (("front", 12e6), ("rear", 1e6)):
+        deflection, force = (
+            float(found[f"front_axle.left_{end}_bushing.{what}_y"])
+            for what in ("deflection", "force")
+        )
+        assert force == pytest.approx(-stiffness * deflection, rel=1e-12)
+
+
+def test_stiff_bushings_leave_the_kinematics_of_rigid_arms():
+    stiff = {f"parameters.{end}_bushing.stiffness": "1e9 N/m" for end in ("front", "rear")}
+    rigid, bushed = (
+        rig(str(SYSTEMS / f"{name}_axle.yaml"), "parallel", "-30 mm:30 mm:2", set=changes)
+        for name, changes in (("wishbone_arms", {}), ("bushed_wishbones", stiff))
+    )
+    for name in ("toe_angle", "camber", "half_track", "wheel_rate"):
+        column = f"left_wheel_angles.{name}"
+        found, wanted = (np.asarray(data[column]) for data in (bushed, rigid))
+        assert found == pytest.approx(wanted, rel=1e-3, abs=2e-5), name
+
+
 def test_the_rig_reports_camber_from_the_front_and_inclination_to_the_vertical():
     """tan of camber is that of the inclination over the cosine of the steer angle (ISO 8855)."""
     table = vd.rig("wishbone_arms_axle", test="steer")

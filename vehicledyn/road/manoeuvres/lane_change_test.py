@@ -35,6 +35,9 @@ class LaneChangeTest(DrivingTest):
     The path joins the lanes by steps of continuous curvature: their middles, or with cut corners.
     """
 
+    standard: ClassVar[str]
+    """The standard that the lanes are of."""
+
     corner: ClassVar[float] = 0.0
     """How far a step begins before the end of a lane, and ends behind the begin of the next [m]."""
 
@@ -123,7 +126,7 @@ class LaneChangeTest(DrivingTest):
         lanes = self.lanes(vehicle)
         found = [passage(lane, vehicle.outline, pose) for lane in lanes]
         ok = all(item.entered and item.clearance > 0.0 for item in found)
-        yield from entry("passed", ok, "1", "Whether all corners kept all lanes")
+        yield from entry("passed", ok, "1", f"Whether all corners kept all lanes ({self.standard})")
         for number, item in zip((1, 3, 5), found, strict=True):
             words = f"Section {number}: smallest clearance of a corner"
             yield from entry(f"clearance_{number}", item.clearance, "m", words)

@@ -25,6 +25,7 @@ class DoubleLaneChange(LaneChangeTest):
     ISO 3888-1, Passenger cars - Test track for a severe lane-change manoeuvre - Double lane-change.
     """
 
+    standard: ClassVar[str] = "ISO 3888-1"
     corner: ClassVar[float] = 3.0
     inner: ClassVar[float] = 0.3
 

@@ -29,6 +29,7 @@ class ObstacleAvoidance(LaneChangeTest):
     ISO 3888-2, Passenger cars - Test track for a severe lane-change manoeuvre - Obstacle avoidance.
     """
 
+    standard: ClassVar[str] = "ISO 3888-2"
     corner: ClassVar[float] = 3.0
     inner: ClassVar[float] = 0.3
 
