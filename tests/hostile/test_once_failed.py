@@ -765,3 +765,38 @@ def test_a_coefficient_among_the_heads_of_a_tyre_file(section, words):
     line = next(line for line in text.splitlines() if line.startswith("REX2"))
     moved = text.replace(f"{line}\n", "").replace(f"[{section}]\n", f"[{section}]\n{line}\n")
     refused(Case("tyre", {"a.tir": moved.encode()}, ["tyre", "a.tir"]), words)
+
+
+ROLLERS = """
+title: Rollers
+parameters: {arm: 0.8 m, radius: 0.1 m}
+bodies:
+  first: {joints: [R2 angle], mass: 3 kg, com: [0, 0, 0.5 m]}
+repeat:
+- for: {k: {from: 2, to: 3000}}
+  bodies:
+    roller_{k}: {parent: first, joints: [R2 angle], mass: 1 kg, inertia: [1 kg*m^2, 1 kg*m^2, 0]}
+  constraints:
+    rolls_{k}:
+      kind: rate_expression
+      zero: arm * first.angle_rate + radius * roller_{k}.angle_rate
+"""
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("1 kg*m^2, 0]", "1 kg*m^2, 0 kg*m^2]", ""),
+        ("roller_{k}.angle_rate", "roler_{k}.angle_rate", "did you mean 'roller_"),
+        ("parent: first", "parent: 'roller_{k - 1}'", "no body named 'roller_1'"),
+        ("parent: first", "parent: 'missing_{k}'", "no body named 'missing_2'"),
+        ("Rollers", f"Rollers\ninitial: {{{', '.join(f'a{k}: 1 rad' for k in range(3000))}}}",
+         "no coordinate named 'a0'"),
+    ],
+)  # fmt: skip
+def test_thousands_of_parts_are_checked_at_once(old, new, words):
+    text = ROLLERS.replace(old, new)
+    outcome = run(Case("many", {"many.yaml": text.encode()}, ["validate", "many.yaml"]))
+    assert (outcome.code, outcome.faults) == (2 if words else 0, []), outcome
+    assert words in outcome.text

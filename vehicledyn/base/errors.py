@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import bisect
 import difflib
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
 _MOST_LISTED = 60
-_MOST_TRIED = 5_000
+_MOST_TRIED = 1_000
+_NEIGHBOURS = 200
+"""Of more names than are tried, these on each side of a name's alphabetical place are."""
+
 _LONGEST = 200
 """Letters of a name that are compared and shown."""
 
@@ -80,9 +84,16 @@ def errors_of(source: object) -> Iterator[None]:
 
 
 def nearest_name(name: str, known: Iterable[str]) -> str | None:
-    """Return the known name that looks most like ``name``, or None if nothing is close."""
+    """Return the known name that looks most like ``name``, or None if nothing is close.
+
+    Of many names those around its alphabetical place are looked at.
+    """
     likely = [other for other in known if abs(len(other) - len(name)) <= len(other)]
-    matches = difflib.get_close_matches(name[:_LONGEST], likely[:_MOST_TRIED], n=1, cutoff=0.55)
+    if len(likely) > _MOST_TRIED:
+        likely.sort()
+        first = max(0, bisect.bisect(likely, name) - _NEIGHBOURS)
+        likely = likely[first : first + 2 * _NEIGHBOURS]
+    matches = difflib.get_close_matches(name[:_LONGEST], likely, n=1, cutoff=0.55)
     return matches[0] if matches else None
 
 

@@ -19,10 +19,12 @@ class Mark(NamedTuple):
 
 
 START = Mark(1, 1)
-_COUNT = re.compile(r"\d+ problems? in .*")
+_COUNT = re.compile(r"\d+ problems?( or more)? in .*")
 MOST_SHOWN = 20
 """Problems that an error lists one by one."""
 
+MOST_FOUND = 200
+"""Problems after which the checks of a file may stop looking for more."""
 
 LONGEST = 4000
 """Letters of a message; of longer ones, which quote a long value, begin and end are shown."""
@@ -63,6 +65,8 @@ def dotted(place: Iterable[str | int]) -> str:
 
 def counted(count: int, file: str) -> str:
     """Return the line that ends the list of a file's problems."""
+    if count >= MOST_FOUND:
+        return f"{count} problems or more in {file}"
     return f"1 problem in {file}" if count == 1 else f"{count} problems in {file}"
 
 

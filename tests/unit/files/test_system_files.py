@@ -118,8 +118,7 @@ def test_good_file_has_no_problems_and_keeps_its_parameters_free(tmp_path):
         ("parent: crank", "parent: cranc", ["15:13: bodies.tip.parent: no body named 'cranc'; "
          "did you mean 'crank'? Known: crank, ground, tip"]),
         ("at: hinge", "parent: tip", ["9:13: bodies.crank.parent: the bodies hang on each other: "
-         "crank -> tip -> crank", "15:13: bodies.tip.parent: the bodies hang on each other: "
-         "tip -> crank -> tip"]),
+         "crank -> tip -> crank"]),
         ("  tip:\n    parent", "  crank:\n    parent", ["14:3: bodies.crank: given twice; the "
          "first is in line 8", "22:23: drives.slide.coordinate: no coordinate named 'tip.slide'; "
          "Known: crank.angle", "24:28: sensors.tip.body: no body named 'tip'; "

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import ChainMap
 from dataclasses import replace
 from typing import Any
 
@@ -13,7 +14,6 @@ from vehicledyn.files.building.road_choice import RoadChoice
 from vehicledyn.files.building.values import Values
 from vehicledyn.files.building.wheel_parts import spin_of, surface_numbers, wheel_parts
 from vehicledyn.files.expressions.dimensions import MEASURES, multiplier_unit
-from vehicledyn.files.system.checks.references import variables
 from vehicledyn.files.system.constraints import WrittenConstraint, WrittenRate
 from vehicledyn.files.system.cuts import CutSet
 from vehicledyn.files.system.events import switch
@@ -195,10 +195,9 @@ def _constraint(values: Values, name: str, item: ParameterSet) -> Constraint:
     if not isinstance(item, WrittenConstraint | WrittenRate):
         return made
     is_rate = isinstance(item, WrittenRate)
-    known = variables(
-        "movement" if is_rate else "geometry", "m", values.model.coordinates, item.points
-    )
-    measure = item.zero.value({**values.model.parameters.measures, **known}, MEASURES)
+    kind = "movement" if is_rate else "geometry"
+    known = values.variables.of(kind, "m", item.points)
+    measure = item.zero.value(ChainMap(known, values.model.parameters.measures), MEASURES)
     unit, force = measure.unit, multiplier_unit(measure, is_rate=is_rate)
     return replace(made, unit=unit, force_unit=force)  # type: ignore[type-var]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import ChainMap
 from functools import cached_property
 from typing import Any
 
@@ -10,6 +11,7 @@ from vehicledyn.files.building.road_choice import RoadChoice
 from vehicledyn.files.expressions.algebra import NUMBERS, SYMBOLS
 from vehicledyn.files.expressions.expressions import Expression
 from vehicledyn.files.expressions.parameters import Entry
+from vehicledyn.files.system.checks.variables import Variables
 from vehicledyn.files.system.read import SystemModel
 from vehicledyn.rail.track.track import Track
 from vehicledyn.rail.track.track_set import TrackChoice
@@ -20,11 +22,13 @@ class Values:
     """A file's expressions with its parameters, and the scenario's choice of further ones.
 
     ``table`` holds the parameters of the equations as they are entered, ``numbers`` their values
-    and ``symbols`` their symbols, both by the names of the file.
+    and ``symbols`` their symbols, both by the names of the file; ``variables`` are the further
+    names of expressions.
     """
 
     def __init__(self, model: SystemModel, choice: RoadChoice) -> None:
         self.model, self.choice = model, choice
+        self.variables = Variables(model.coordinates)
         self.table = ParameterTable()
         self.numbers = model.parameters.values
         self.symbols: dict[str, Any] = {}
@@ -33,7 +37,7 @@ class Values:
 
     def value(self, expression: Expression, **names: Any) -> Any:
         """Return what an expression is worth, in symbols; ``names`` are further quantities."""
-        return expression.value({**self.symbols, **names}, SYMBOLS)
+        return expression.value(ChainMap(names, self.symbols), SYMBOLS)
 
     def setting(self, item: Any) -> Any:
         """Return a setting of a part: what an expression is worth, anything else as it is."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import ChainMap
 from typing import Any
 
 from pydantic import ValidationError
@@ -12,7 +13,8 @@ from vehicledyn.base.problems import Place
 from vehicledyn.files.expressions.algebra import ExpressionError
 from vehicledyn.files.expressions.dimensions import MEASURES
 from vehicledyn.files.expressions.parameters import Parameters
-from vehicledyn.files.system.checks.references import unfit, variables
+from vehicledyn.files.system.checks.references import unfit
+from vehicledyn.files.system.checks.variables import Variables
 from vehicledyn.files.system.joints import Coordinate
 from vehicledyn.files.system.laws import TimeLaw
 from vehicledyn.files.system.sets import DriveSet, SystemFile
@@ -36,6 +38,7 @@ def read_motion(
     """
     laws: dict[str, TimeLaw] = {}
     problems: Problems = []
+    variables = Variables(coordinates)
     for name, item in given.items() if isinstance(given, dict) else ():
         place: Place = ("motion", name)
         if name not in coordinates:
@@ -44,7 +47,7 @@ def read_motion(
         law, wrong = _law(item)
         problems += [((*place, *below), words) for below, words in wrong]
         if law is not None:
-            found = _wrong_units(name, law, coordinates, parameters)
+            found = _wrong_units(name, law, coordinates, variables, parameters)
             problems += [(place, words) for words in found]
             laws[name] = law
     return laws, problems
@@ -63,16 +66,20 @@ def _law(item: Any) -> tuple[TimeLaw | None, Problems]:
 
 
 def _wrong_units(
-    name: str, law: TimeLaw, coordinates: dict[str, Coordinate], parameters: Parameters
+    name: str,
+    law: TimeLaw,
+    coordinates: dict[str, Coordinate],
+    variables: Variables,
+    parameters: Parameters,
 ) -> list[str]:
     file = SystemFile(title="", drives={"motion": DriveSet(coordinate=name, law=law)})
     problems = []
     for item in walk(file, coordinates):
         if isinstance(item, Reference) or item.place[0] != "drives":
             continue
-        extra = variables(item.variables, item.length, coordinates, item.points)
+        extra = variables.of(item.variables, item.length, item.points)
         try:
-            found = item.expression.value({**parameters.measures, **extra}, MEASURES)
+            found = item.expression.value(ChainMap(extra, parameters.measures), MEASURES)
         except ExpressionError as error:
             problems.append(str(error))
             continue

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
-from vehicledyn.base.problems import Place, Problem
+from vehicledyn.base.problems import MOST_FOUND, Place, Problem
 from vehicledyn.base.validation_messages import UNKNOWN_KEY
 from vehicledyn.base.yaml import Document
 from vehicledyn.files.expressions.parameters import read_parameters
@@ -156,6 +157,8 @@ class Reading:
     def _tell(self, found: Iterable[tuple[Place, str]]) -> None:
         for place, words in found:
             self._tell_one(place, words)
+            if len(self.problems) >= MOST_FOUND:
+                return
 
     def _tell_one(self, place: Place, words: str, *, at_key: bool = False) -> None:
         self.problems.append(self.problem(place, words, at_key=at_key))
@@ -208,11 +211,17 @@ def coordinates_of(file: SystemFile) -> dict[str, Coordinate]:
 
 
 def _parents_first(file: SystemFile) -> SystemFile:
-    """Return the file with each body after its parent, else in the order it is written."""
-    ordered: dict[str, Any] = {}
-    waiting = dict(file.bodies)
-    while waiting:
-        ready = [n for n, b in waiting.items() if b.parent not in waiting]
-        for name in ready or list(waiting):
-            ordered[name] = waiting.pop(name)
+    """Return the file with bodies by generations, each in the order it is written."""
+    generations: dict[str, float] = {}
+    for start in file.bodies:
+        line: dict[str, None] = {}
+        name = start
+        while name in file.bodies and name not in generations and name not in line:
+            line[name] = None
+            name = file.bodies[name].parent
+        generation = math.inf if name in line else generations.get(name, -1.0)
+        for descendant in reversed(line):
+            generation += 1.0
+            generations[descendant] = generation
+    ordered = {name: file.bodies[name] for name in sorted(file.bodies, key=generations.__getitem__)}
     return file.model_copy(update={"bodies": ordered})

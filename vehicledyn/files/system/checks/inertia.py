@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator
 
 from vehicledyn.base.problems import Place
 from vehicledyn.files.expressions.algebra import NUMBERS, ExpressionError
@@ -74,11 +74,11 @@ def _massless_ends(
     file: SystemFile, parameters: Parameters, driven: set[str], carriers: Collection[str]
 ) -> Problems:
     """Yield bodies at the end of a chain that can move but resist with no inertia."""
-    text = " ".join(str(item) for item in (*file.cuts.values(), *file.constraints.values()))
-    held = _holding(file, text, carriers)
+    named = _named(str(item) for item in (*file.cuts.values(), *file.constraints.values()))
+    held = _holding(file, named, carriers)
     for name, body in file.bodies.items():
         moving = [c for c in body.coordinates(name) if c.name not in driven and c.role != "driven"]
-        if not moving or name in held or _mentioned(name, body, text):
+        if not moving or name in held or _mentioned(name, body, named):
             continue
         last = moving[-1]
         if last.reflected_inertia is not None:
@@ -93,7 +93,7 @@ def _massless_ends(
             yield ("bodies", name), f"{words}; give it an inertia, or drive or drop the coordinate"
 
 
-def _holding(file: SystemFile, text: str, carriers: Collection[str]) -> set[str]:
+def _holding(file: SystemFile, named: set[str], carriers: Collection[str]) -> set[str]:
     """Return the bodies that carry one that has mass, is part of a loop or could move itself."""
     holding: set[str] = set()
     for name in carriers:
@@ -102,7 +102,7 @@ def _holding(file: SystemFile, text: str, carriers: Collection[str]) -> set[str]
             holding.add(carrier)
             carrier = file.bodies[carrier].parent
     for name, body in file.bodies.items():
-        alone = body.mass is None and not _mentioned(name, body, text)
+        alone = body.mass is None and not _mentioned(name, body, named)
         if alone and not body.coordinates(name):
             continue
         carrier = body.parent
@@ -112,10 +112,19 @@ def _holding(file: SystemFile, text: str, carriers: Collection[str]) -> set[str]
     return holding
 
 
-def _mentioned(name: str, body: BodySet, text: str) -> bool:
+def _mentioned(name: str, body: BodySet, named: set[str]) -> bool:
     """Return whether cuts or constraints name a body or one of its coordinates."""
-    names = "|".join(re.escape(n) for n in (name, *(c.name for c in body.coordinates(name))))
-    return re.search(rf"\b({names})\b", text) is not None
+    return name in named or any(c.name in named for c in body.coordinates(name))
+
+
+def _named(texts: Iterable[str]) -> set[str]:
+    """Return what texts may name: their dotted words and each run of the pieces of these."""
+    found: set[str] = set()
+    for word in {word for text in texts for word in re.findall(r"\w+(?:\.\w+)*", text)}:
+        pieces = word.split(".")
+        ends = range(1, len(pieces) + 1)
+        found |= {".".join(pieces[start:end]) for end in ends for start in range(end)}
+    return found
 
 
 def _turns_freely(body: BodySet, last: Coordinate, parameters: Parameters) -> bool:

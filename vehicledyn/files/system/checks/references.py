@@ -17,6 +17,7 @@ from vehicledyn.files.expressions.expressions import Expression
 from vehicledyn.files.expressions.parameters import Parameters, is_name
 from vehicledyn.files.system.checks.inertia import inertia_problems
 from vehicledyn.files.system.checks.structure import structure_problems
+from vehicledyn.files.system.checks.variables import Unknown, Variables
 from vehicledyn.files.system.events import EventSet
 from vehicledyn.files.system.joints import Coordinate
 from vehicledyn.files.system.places import Place as PointOfBody
@@ -26,6 +27,7 @@ from vehicledyn.files.system.walk import Found, Reference, walk
 from vehicledyn.multibody.model.ground import GROUND
 
 Problems = Iterator[tuple[Place, str]]
+_MOST_IN_CIRCLE = 20
 _PARTS = tuple(name for name in Sections.model_fields if name not in ("bodies", "initial"))
 
 
@@ -85,6 +87,7 @@ class _Known:
     ) -> None:
         self.bodies = {GROUND, *file.bodies, *brought}
         self.coordinates = coordinates
+        self.variables = Variables(coordinates)
         self.constraints = [*file.cuts, *file.constraints]
         self.parameters = parameters
         self.driven = {drive.coordinate for drive in file.drives.values()}
@@ -98,56 +101,22 @@ class _Known:
         return bool(bad) and any(n in bad or n.rpartition(".")[0] in bad for n in expression.names)
 
 
-def variables(
-    kind: str, length: str, coordinates: dict[str, Coordinate], points: Iterable[str] = ()
-) -> dict[str, Any]:
-    """Return the measures of the names that an expression may use besides parameters.
-
-    Parameters
-    ----------
-    kind
-        As in :func:`vehicledyn.files.expressions.fields.measured`, or "geometry", "movement" or
-        "event".
-    length
-        Unit of the length or coordinate that a law is about.
-    coordinates
-        All coordinates.
-    points
-        Names of points.
-    """
-    rate = f"{length}/s"
-    found: dict[str, Any] = {}
-    if kind == "law":
-        found = {"length": measure_of(length), "rate": measure_of(rate)}
-    if kind == "force":
-        found = {"position": measure_of(length), "rate": measure_of(rate)}
-    if kind in ("time", "motion", "force", "geometry", "movement", "event"):
-        found["time"] = measure_of("s")
-    if kind in ("motion", "force", "geometry", "movement", "event"):
-        found |= {name: measure_of(c.unit) for name, c in coordinates.items()}
-    if kind in ("motion", "force", "movement", "event"):
-        found |= {f"{name}_rate": measure_of(f"{c.unit}/s") for name, c in coordinates.items()}
-    for point in points:
-        found[point] = (measure_of("m"),) * 3
-        if kind in ("movement", "event"):
-            found[f"{point}_velocity"] = (measure_of("m/s"),) * 3
-    return found
-
-
 def tree_problems(bodies: dict[str, BodySet]) -> Problems:
-    """Yield bodies that hang on each other in a circle."""
-    safe = {GROUND}
+    """Yield where bodies hang on each other in a circle, once for each circle."""
+    seen: set[str] = set()
     for start in bodies:
-        path: list[str] = []
+        path: dict[str, None] = {}
         name = start
-        while name not in safe and name in bodies and name not in path:
-            path.append(name)
+        while name in bodies and name not in seen and name not in path:
+            path[name] = None
             name = bodies[name].parent
-        if name in path and name == start:
-            circle = " -> ".join([*path[path.index(name) :], name])
-            yield ("bodies", name, "parent"), f"the bodies hang on each other: {circle}"
-        if name in safe:
-            safe.update(path)
+        if name in path:
+            members = list(path)
+            circle = members[members.index(name) :]
+            shown = circle if len(circle) <= _MOST_IN_CIRCLE else [*circle[:_MOST_IN_CIRCLE], "..."]
+            words = f"the bodies hang on each other: {' -> '.join([*shown, name])}"
+            yield ("bodies", name, "parent"), words
+        seen.update(path)
 
 
 def _names(file: SystemFile) -> Problems:
@@ -194,7 +163,7 @@ def _reference(item: Reference, known: _Known) -> Problems:
 def _expression(item: Found, known: _Known) -> Problems:
     if known.failed(item.expression):
         return
-    extra = variables(item.variables, item.length, known.coordinates, item.points)
+    extra = known.variables.of(item.variables, item.length, item.points)
     if item.variables in ("motion", "force", "event"):
         extra |= known.switches
     for name in item.expression.names:
@@ -212,15 +181,14 @@ def _expression(item: Found, known: _Known) -> Problems:
         yield (*item.place, *component) if is_list else item.place, words
     if not wrong:
         yield from (
-            _impossible(item, {**known.values, **extra}) if extra else (_bounds(item, known))
+            _impossible(item, ChainMap(extra, known.values)) if extra else _bounds(item, known)
         )
 
 
 def _impossible(item: Found, names: Mapping[str, Any]) -> Problems:
     """Yield what has no value whatever the names are worth, such as a division by zero."""
-    unknown = {k: (math.nan,) * 3 if isinstance(v, tuple) else math.nan for k, v in names.items()}
     try:
-        item.expression.value(unknown, NUMBERS)
+        item.expression.value(Unknown(names), NUMBERS)
     except ExpressionError as error:
         yield item.place, str(error)
 
@@ -344,8 +312,8 @@ def _events(file: SystemFile, known: _Known) -> Problems:
 
 def _rebound(place: Place, event: EventSet, known: _Known) -> Problems:
     """Yield what keeps the function of an event from going back after an impact."""
-    names = set(variables("event", "m", known.coordinates, event.points))
-    names -= set(variables("geometry", "m", known.coordinates, event.points))
+    names = set(known.variables.of("event", "m", event.points))
+    names -= set(known.variables.of("geometry", "m", event.points))
     used = sorted(n for n in names if _uses(event.when, n))
     if used:
         words = "a restitution needs 'when' to be one of coordinates, points and time"

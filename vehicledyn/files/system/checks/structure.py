@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
 from vehicledyn.base.problems import Place
@@ -52,10 +52,11 @@ def structure_problems(file: SystemFile, coordinates: dict[str, Coordinate]) -> 
             yield ("constraints", name, "zero"), words
 
 
-def _moves(zero: Expression, constraint: Any, channels: Iterable[str]) -> bool:
+def _moves(zero: Expression, constraint: Any, channels: set[str]) -> bool:
     points = getattr(constraint, "points", {})
-    known = {*channels, *points, *(f"{point}_velocity" for point in points)}
-    return any(n in known or n.rpartition(".")[0] in known for n in zero.names)
+    of_points = {*points, *(f"{point}_velocity" for point in points)}
+    names = {part for name in zero.names for part in (name, name.rpartition(".")[0])}
+    return not names.isdisjoint(channels) or not names.isdisjoint(of_points)
 
 
 def given_twice(value: Any) -> list[tuple[tuple[str, ...], str]]:
