@@ -45,13 +45,13 @@ def sensitivity(
     of
         Key figures of the run, channels, or figures of channels such as ``max(chassis.roll)``;
         or of the linearised model: ``eigenvalues``, ``mode_shapes``, ``critical_speed`` and
-        coordinates of the equilibrium, such as ``equilibrium.chassis.z``; or of its frequency
-        responses, such as ``gain(chassis.roll, road, 1.5 Hz)`` and ``phase(...)``; or of limit
-        cycles: ``cycle_period``, ``cycle_amplitude(axle.y)``, ``cycle_mean(...)`` and
-        ``nonlinear_critical_speed``; or channels
-        along a driven path without forces, such as
-        ``kinematics(wheel.toe_angle, wheel.z, 276 mm:356 mm:4)``; or of inverse dynamics, such as
-        ``inverse(crank.angle_force)``, ``inverse(max(crank.angle_force))`` and
+        coordinates and channels of the equilibrium, such as ``equilibrium.chassis.z``; or of its
+        frequency responses, such as ``gain(chassis.roll, road, 1.5 Hz)`` and ``phase(...)``; or of
+        limit cycles: ``cycle_period``, ``cycle_amplitude(axle.y)``, ``cycle_mean(...)`` and
+        ``nonlinear_critical_speed``; or channels along a driven path without forces, and their
+        velocity ratios, such as
+        ``kinematics(ratio.wheel.z.wheel.toe_angle, wheel.z, 276 mm:356 mm:4)``; or of inverse
+        dynamics, such as ``inverse(crank.angle_force)``, ``inverse(max(crank.angle_force))`` and
         ``inverse(crank.angle.work)``.
     to
         Parameters, by patterns such as ``parameters.front.*``, and start values of states, such
@@ -84,10 +84,12 @@ def sensitivity(
     """
     from vehicledyn.analyses.preparation.target_digest import digests_to_keep
     from vehicledyn.analyses.sensitivity.figure_kinds import analysis_of
+    from vehicledyn.analyses.sensitivity.refused_names import refuse_other_analyses
     from vehicledyn.analyses.sensitivity.report import SensitivityReport
     from vehicledyn.results.tables.sensitivity_table import write_sensitivity
 
     names, patterns, changes = texts("of", of), texts("to", to), override_texts(set, settings)
+    refuse_other_analyses(names)
     kinds_asked = {analysis_of(name) for name in names}
     if len(kinds_asked) > 1:
         raise InputError(

@@ -36,6 +36,26 @@ def test_a_four_bar_follows_its_closed_form():
         assert not slopes[4:].any()
 
 
+def test_bump_steer_follows_the_hardpoints():
+    """Mixed derivatives are alike: how the toe's own slopes change along the travel."""
+
+    def slopes(of, place):
+        found = vd.sensitivity(
+            "double_wishbone_suspension", f"kinematics({of}, wheel.z, {place!r} m)", "*.z"
+        )
+        return found["figure_value"].values[0], found["figure_slope"].values[0]
+
+    value, found = slopes("ratio.wheel.z.wheel.toe_angle", 0.3)
+    run = vd.kinematics("double_wishbone_suspension", {"wheel.z": "0.3 m"})
+    assert value == run["ratio.wheel.z.wheel.toe_angle"].values[0]
+    wide, near = (
+        (slopes("wheel.toe_angle", 0.3 + h)[1] - slopes("wheel.toe_angle", 0.3 - h)[1]) / (2.0 * h)
+        for h in (1e-3, 5e-4)
+    )
+    exact = (4.0 * near - wide) / 3.0
+    assert found == pytest.approx(exact, abs=1e-9 * np.abs(exact).max())
+
+
 @pytest.mark.parametrize(
     ("of", "to", "match"),
     [
@@ -44,6 +64,8 @@ def test_a_four_bar_follows_its_closed_form():
         ("kinematics(rocker.angle, crank.angel, 0 deg)", "*", r"crank\.angle"),
         ("kinematics(rocker.angle, crank.angle, 3 kg)", "*", "kg"),
         ("kinematics(rocker.angle, crank.angle, 0 deg)", "grond", "did you mean 'ground'"),
+        ("kinematics(ratio.x.rocker.angle, crank.angle, 0 deg)", "*", "along the drive"),
+        ("kinematics(roll_centre.x, crank.angle, 0 deg)", "*", "several velocity ratios"),
         (["kinematics(rocker.angle, crank.angle, 0 deg)", "eigenvalues"], "*", "one after the"),
     ],
 )

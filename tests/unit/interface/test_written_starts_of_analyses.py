@@ -84,7 +84,9 @@ def test_eigenvalues_about_a_written_start_follow_it(held):
         return np.sqrt(9.81 * np.cos(a * b * b) / length) / (2.0 * np.pi)
 
     exact = [frequency(*(np.array([0.4, 0.6, 1.5]) + s)).imag / 1e-30 for s in 1e-30j * np.eye(3)]
-    assert list(found["figure"].values) == ["mode_1.growth", "mode_1.frequency"]
+    assert list(found["figure"].values) == [
+        f"mode_1.{name}" for name in ("growth", "frequency", "undamped_frequency", "damping_ratio")
+    ]
     assert found["figure_slope"].values[1] == pytest.approx(exact, rel=1e-10)
 
 
@@ -124,7 +126,9 @@ def test_a_bicycle_that_is_given_its_speed_follows_it():
     for value, slope in wanted:
         expected.append(slope.real)
         if value.imag:
-            expected.append(slope.imag / (2.0 * np.pi))
+            along = value.conjugate() * slope
+            expected += [slope.imag / (2.0 * np.pi), along.real / abs(value) / (2.0 * np.pi)]
+            expected.append(value.imag * along.imag / abs(value) ** 3)
     assert found["figure_slope"].values[:, 0] == pytest.approx(expected, rel=1e-8)
 
 

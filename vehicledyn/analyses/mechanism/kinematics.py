@@ -185,7 +185,7 @@ class _Columns:
         everything = (*p.channels, *p.speeds)
         self.channels = (
             *(p.channels[k] for k in self.kept),
-            *(_ratio(d, everything[k]) for d in self.driven for k in self.rated),
+            *(ratio_channel(d, everything[k]) for d in self.driven for k in self.rated),
             *(c for d in self.driven for w in wheels for c in axis_channels(d.name, w)),
             *(c for w in self.swinging for c in swing_channels(w)),
             *(c for d in self.driven for c in self.axles.channels(d.name)),
@@ -250,7 +250,7 @@ class _Columns:
         return {"roll_centre_and_motion_ratio": known} if known else {}
 
 
-def _ratio(drive: Channel, channel: Channel) -> Channel:
+def ratio_channel(drive: Channel, channel: Channel) -> Channel:
     """Return the channel of a velocity ratio; a velocity by the drive's rate is one, too."""
     unit = channel.unit.removesuffix("/s") if channel.unit.endswith("/s") else channel.unit
     shared = "1" if unit == drive.unit else f"{unit}/{drive.unit}"

@@ -4,6 +4,9 @@ With the rows g(q, s, p) = 0 of loops and drives, coordinates q that move and s 
 start, dq/dp = -(∂g/∂q)⁻¹ (∂g/∂p + ∂g/∂s ds/dp), and of a channel y(q, s, p)
 
     dy/dp = ∂y/∂p + ∂y/∂s ds/dp + ∂y/∂q dq/dp
+
+A velocity ratio r = ∂y/∂q t, with the tangent t of the path from ∂g/∂q t = e, follows alike:
+dr/dp = d(∂y/∂q)/dp t - ∂y/∂q (∂g/∂q)⁻¹ d(∂g/∂q)/dp t, the matrices moving with q, s and p.
 """
 
 from __future__ import annotations
@@ -18,6 +21,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.analyse.continuation import SingularPlace, Way
 from vehicledyn.analyses.mechanism.driven_mechanism import Mechanism, mechanism
+from vehicledyn.analyses.mechanism.kinematics import ratio_channel
 from vehicledyn.analyses.mechanism.mechanism_path import Drive, run_sweep
 from vehicledyn.analyses.preparation.build_model import build_subject
 from vehicledyn.analyses.preparation.prepared import Progress
@@ -74,10 +78,7 @@ def find_kinematic_sensitivity(
     figures, values, slopes = [], [], []
     for (channel, drive, text), name in zip(asked, of, strict=True):
         machine, places = _driven(positions, drive, text, name)
-        names = [c.name for c in positions.channels]
-        if channel not in names:
-            raise InputError(f"'{name}': {unknown_name('channel of positions', channel, names)}")
-        row = names.index(channel)
+        row, is_ratio = _place(positions, channel, drive, name)
         path = [Drive(drive, places)]
         swept = run_sweep(machine, path, together=False, progress=progress, memory=memory)
         if swept.failures:
@@ -85,9 +86,10 @@ def find_kinematic_sensitivity(
         for sample, place in zip(swept.samples, places, strict=True):
             own, item = positions.channels[machine.drives[0]], positions.channels[row]
             figure = f"{channel} at {drive} = {shown(place, own.unit)}"
-            figures.append(Quantity(figure, item.unit, item.description))
-            values.append(float(sample.values[row]))
-            given = drive, sample.coordinates, row
+            about = ratio_channel(own, item) if is_ratio else item
+            figures.append(Quantity(figure, about.unit, about.description))
+            values.append(float(sample.ratios[0, row] if is_ratio else sample.values[row]))
+            given = drive, sample.coordinates, row, is_ratio
             found = partial(_slope, machine, *given[1:])
             slopes.append(memory.recall_or_raise("slope", given, found)[chosen])
     entries = [positions.parameters[k] for k in chosen]
@@ -102,8 +104,30 @@ def find_kinematic_sensitivity(
     )
 
 
-def _slope(machine: Mechanism, q: Floats, row: int) -> Floats:
-    """Return the derivative of a channel by all parameters, shape (n_parameters,).
+_RATIO = "ratio."
+_OF_RATIOS = "instant.", "swing.", "roll_centre.", "motion_ratio."
+
+
+def _place(positions: Positions, channel: str, drive: str, name: str) -> tuple[int, bool]:
+    """Return the number of a channel, and whether its velocity ratio along the drive is meant."""
+    names = [c.name for c in positions.channels]
+    is_ratio = channel.startswith(f"{_RATIO}{drive}.")
+    own = channel.removeprefix(f"{_RATIO}{drive}.") if is_ratio else channel
+    if own in names:
+        return names.index(own), is_ratio
+    speeds = [c.name for c in positions.speeds]
+    why = ""
+    if is_ratio and own in speeds:
+        why = "ratios of velocities have no derivatives here; those of positions do"
+    elif channel.startswith(_OF_RATIOS):
+        why = f"it is drawn from several velocity ratios; ask for these, as {_RATIO}{drive}.CHANNEL"
+    elif channel.startswith(_RATIO) and not is_ratio:
+        why = f"velocity ratios are those along the drive, {_RATIO}{drive}.CHANNEL"
+    raise InputError(f"'{name}': {why or unknown_name('channel of positions', own, names)}")
+
+
+def _slope(machine: Mechanism, q: Floats, row: int, is_ratio: bool) -> Floats:
+    """Return the derivative of a channel or its ratio by all parameters, (n_parameters,).
 
     Raises
     ------
@@ -129,7 +153,38 @@ def _slope(machine: Mechanism, q: Floats, row: int) -> Floats:
     driven = by_parameter[list(machine.drives)]
     moved = np.vstack([positions.residual_by_parameter(q) + gaps @ started, driven])
     follow = -np.linalg.lstsq(rows, moved, rcond=None)[0]
-    found = by_parameter[row] + slopes[row, moving] @ follow
+    if not is_ratio:
+        found = by_parameter[row] + slopes[row, moving] @ follow
+        return np.asarray(found, dtype=float)
+    return _ratio_slope(machine, q, row, rows, _moved_by(started, moving, follow))
+
+
+def _moved_by(started: Floats, moving: list[int], follow: Floats) -> Floats:
+    """Return the derivatives of all coordinates by all parameters."""
+    found = started.copy()
+    found[moving] = follow
+    return found
+
+
+def _ratio_slope(
+    machine: Mechanism, q: Floats, row: int, rows: Floats, by_parameter: Floats
+) -> Floats:
+    """Return the derivative of a channel's velocity ratio along the drive by all parameters.
+
+    ``rows`` are derivatives of loops and drives by the moving coordinates, ``by_parameter`` those
+    of all coordinates (n_coordinates, n_parameters).
+    """
+    positions, moving = machine.positions, list(machine.moving)
+    tangent = np.zeros(len(q))
+    unit = np.zeros(len(rows))
+    unit[machine.gaps] = 1.0
+    tangent[moving] = np.linalg.lstsq(rows, unit, rcond=None)[0]
+    by_coordinate, direct = positions.slopes_along(q, tangent)
+    turned = by_coordinate @ by_parameter + direct
+    gaps, channels = turned[: machine.gaps], turned[machine.gaps :]
+    right = np.vstack([gaps, channels[list(machine.drives)]])
+    turning = -np.linalg.lstsq(rows, right, rcond=None)[0]
+    found = channels[row] + positions.slopes(q)[row, moving] @ turning
     return np.asarray(found, dtype=float)
 
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.analyse.equilibrium import find_equilibrium
 from vehicledyn.analyse.gradients.eigenvalues import EigenDerivatives, EigenSlopes, LinearPoint
-from vehicledyn.analyse.gradients.linear_system import Following
+from vehicledyn.analyse.gradients.linear_system import Following, SystemDerivatives
 from vehicledyn.analyses.linear.mode_report import NEAR_ZERO
 from vehicledyn.analyses.linear.reference_motion import ReferenceMotion
 from vehicledyn.analyses.preparation.own_speed import at_speed
@@ -30,6 +30,7 @@ from vehicledyn.analyses.sensitivity.figure_kinds import (
     EIGENVALUES,
     is_mode_shape,
 )
+from vehicledyn.analyses.sensitivity.mode_figures import Found, mode_figures
 from vehicledyn.analyses.sensitivity.mode_shapes import mode_shapes
 from vehicledyn.analyses.sensitivity.names import directions
 from vehicledyn.base.errors import InputError, NumericalError, nearest_name
@@ -62,6 +63,8 @@ class _Model:
     """How the states that are held follow the parameters."""
     derivatives: EigenDerivatives
     motion: ReferenceMotion
+    speed: float
+    """At which it is balanced [m/s]."""
     memory: Memory
     """Knows results of :data:`KINDS`."""
 
@@ -206,10 +209,8 @@ def _model(target: Target, speed: float | None, progress: Progress, memory: Memo
     motion = ReferenceMotion(prepared, own or 0.0, target)
     start = start_point(prepared, own or 0.0, motion.kind)
     point, following = motion.at(start, prepared.kernel.parameters)
-    return _Model(prepared, point, following, EigenDerivatives(prepared.equations), motion, memory)
-
-
-Found = list[tuple[Quantity, float, Floats]]
+    derivatives = EigenDerivatives(prepared.equations)
+    return _Model(prepared, point, following, derivatives, motion, own or 0.0, memory)
 
 
 def _by_parameter(model: _Model, slopes: EigenSlopes) -> Any:
@@ -220,7 +221,7 @@ def _by_parameter(model: _Model, slopes: EigenSlopes) -> Any:
 
 
 def _eigenvalues(model: _Model) -> Found:
-    """Return growth and frequency of all modes but the zero ones, fastest growing first."""
+    """Return the figures of all modes but the zero ones, fastest growing first."""
 
     def chosen(values: Any) -> list[int]:
         kept = [k for k, v in enumerate(values) if v.imag >= 0.0 and abs(v) > NEAR_ZERO]
@@ -230,13 +231,7 @@ def _eigenvalues(model: _Model) -> Found:
     by_parameter = _by_parameter(model, slopes)
     found: Found = []
     for k, value in enumerate(slopes.values):
-        words = f"of mode {k + 1}"
-        growth = Quantity(f"mode_{k + 1}.growth", "1/s", f"Real part {words}")
-        found.append((growth, float(value.real), by_parameter[k].real))
-        if value.imag:
-            turns = 2.0 * np.pi
-            frequency = Quantity(f"mode_{k + 1}.frequency", "Hz", f"Frequency {words}")
-            found.append((frequency, float(value.imag / turns), by_parameter[k].imag / turns))
+        found += mode_figures(k + 1, complex(value), by_parameter[k])
     return found
 
 
@@ -336,22 +331,48 @@ def _nearer(
 
 
 def _balance(model: _Model, pattern: str) -> Found:
-    """Return the states of the equilibrium that a pattern names."""
+    """Return the states, unknowns and channels of the equilibrium that a pattern names."""
     e = model.prepared.equations
-    names = [item.name for item in (*e.states, *e.unknowns)]
-    kept = [k for k, name in enumerate(names) if fnmatchcase(name, pattern)]
+    items = {item.name: item for item in (*e.states, *e.unknowns)}
+    shown = [k for k, c in enumerate(e.channels) if c.name not in items]
+    names = [*items, *(e.channels[k].name for k in shown)]
+    kept = [name for name in names if fnmatchcase(name, pattern)]
     if not kept:
         guess = nearest_name(pattern, names)
         hint = f"; did you mean '{guess}'?" if guess else ""
-        raise InputError(f"'{BALANCE}{pattern}' matches no coordinate of '{e.name}'{hint}")
+        raise InputError(
+            f"'{BALANCE}{pattern}' matches no coordinate and no channel of '{e.name}'{hint}"
+        )
     slopes = np.vstack(model.derivatives.equilibrium(model.point, model.following.by_held))
     values = np.concatenate([model.point.state, model.point.unknowns])
-    items = (*e.states, *e.unknowns)
+    found: Found = []
+    for (name, item), value, slope in zip(items.items(), values, slopes, strict=True):
+        if name in kept:
+            quantity = Quantity(f"{BALANCE}{name}", item.unit, item.description)
+            found.append((quantity, float(value), slope))
+    shown = [k for k in shown if e.channels[k].name in kept]
+    return found + (_balanced_channels(model, shown, slopes[: len(e.states)]) if shown else [])
+
+
+def _balanced_channels(model: _Model, shown: list[int], states: Floats) -> Found:
+    """Return channels of the equilibrium by their numbers; ``states`` are its slopes."""
+    prepared, point, following = model.prepared, model.point, model.following
+    e, speeds = prepared.equations, list(prepared.equations.speeds)
+    if not model.speed and prepared.subject.settling is None:
+        state, held = point.state.copy(), states.copy()
+        state[speeds], held[speeds] = 0.0, 0.0
+        point = LinearPoint(point.parameters, point.time, state, point.unknowns)
+        following = Following((), held)
+    slopes = SystemDerivatives(e, (), shown).at(point, following).outputs
+    kernel = prepared.kernel.with_parameters(point.parameters)
+    values = kernel.outputs(point.time, point.state, point.unknowns)
     return [
         (
-            Quantity(f"{BALANCE}{items[k].name}", items[k].unit, items[k].description),
+            Quantity(
+                f"{BALANCE}{e.channels[k].name}", e.channels[k].unit, e.channels[k].description
+            ),
             float(values[k]),
-            slopes[k],
+            slope,
         )
-        for k in kept
+        for k, slope in zip(shown, slopes, strict=True)
     ]

@@ -125,6 +125,11 @@ class Gaps:
         self._slopes = ops.numeric(self._inputs, self._jacobian)
 
     @property
+    def expressions(self) -> Scalar:
+        """Residuals of the holonomic rows, as functions of time, coordinates and parameters."""
+        return self._h
+
+    @property
     def cuts(self) -> list[str]:
         """Name of the cut or constraint of each holonomic row."""
         return [row.cut for row in self.rows[: self.holonomic]]

@@ -130,6 +130,31 @@ class Positions:
         slopes = ops.jacobian(self._free, symbols)
         return ops.numeric([self._coordinate_column], ops.substitute(slopes, *self._known))
 
+    def slopes_along(self, q: Array, tangent: Array) -> tuple[Array, Array]:
+        """Return how gaps and channels change along a tangent, differentiated once more.
+
+        By all coordinates, shape (n_gaps + n_channels, n_coordinates), and by all parameters.
+
+        Parameters
+        ----------
+        q, tangent
+            All coordinates, and a direction of theirs, shape (n_coordinates,).
+        """
+        by_coordinate, by_parameter = self._along
+        return by_coordinate(q, tangent), by_parameter(q, tangent)
+
+    @cached_property
+    def _along(self) -> tuple[Callable[..., Array], Callable[..., Array]]:
+        q, symbols = self._coordinate_column, ops.column([e.symbol for e in self.parameters])
+        tangent = ops.symbols("tangent", q.shape[0])
+        rows = ops.stacked(self._gaps.expressions, self._free)
+        moved = ops.derivative(rows, q, tangent)
+        found = (ops.jacobian(moved, by) for by in (q, symbols))
+        first, second = (
+            ops.numeric([q, tangent], ops.substitute(item, *self._known)) for item in found
+        )
+        return first, second
+
     @cached_property
     def start_by_parameter(self) -> Array:
         """Derivatives of the start as it is written, before the loops are closed.
