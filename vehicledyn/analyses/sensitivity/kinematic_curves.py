@@ -152,18 +152,13 @@ def _slope(machine: Mechanism, q: Floats, row: int, is_ratio: bool) -> Floats:
     by_parameter = positions.values_by_parameter(q) + slopes @ started
     driven = by_parameter[list(machine.drives)]
     moved = np.vstack([positions.residual_by_parameter(q) + gaps @ started, driven])
-    follow = -np.linalg.lstsq(rows, moved, rcond=None)[0]
+    follow = np.asarray(-np.linalg.lstsq(rows, moved, rcond=None)[0], dtype=float)
     if not is_ratio:
         found = by_parameter[row] + slopes[row, moving] @ follow
         return np.asarray(found, dtype=float)
-    return _ratio_slope(machine, q, row, rows, _moved_by(started, moving, follow))
-
-
-def _moved_by(started: Floats, moving: list[int], follow: Floats) -> Floats:
-    """Return the derivatives of all coordinates by all parameters."""
-    found = started.copy()
-    found[moving] = follow
-    return found
+    everything = started.copy()
+    everything[moving] = follow
+    return _ratio_slope(machine, q, row, rows, everything)
 
 
 def _ratio_slope(
