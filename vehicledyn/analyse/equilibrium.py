@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from vehicledyn.analyse.newton import Evaluate, NewtonResult, settle, solve_damped
 from vehicledyn.base.errors import NumericalError
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.kernel.derivatives import Derivatives, Slopes
 from vehicledyn.kernel.engine import Ledger, Vector
 from vehicledyn.kernel.kernel import Kernel

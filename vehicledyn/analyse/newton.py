@@ -8,12 +8,12 @@ Problems, section 3.3.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import numpy as np
 
 from vehicledyn.base.errors import NumericalError
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.numbers.levenberg import least_squares
 from vehicledyn.kernel.engine import Vector
 

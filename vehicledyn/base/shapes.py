@@ -8,10 +8,8 @@ before the shapes reach a file. A size that is None is chosen to suit the system
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import fields, is_dataclass
+from dataclasses import dataclass, fields, is_dataclass
 from typing import Any, ClassVar
-
-from vehicledyn.base.lazy_data import dataclass
 
 Point = Sequence[Any]
 """Three coordinates [m]."""

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -21,7 +21,6 @@ from ruamel.yaml.scanner import Scanner
 
 from vehicledyn.base.bounded_cache import BoundedCache
 from vehicledyn.base.files.limits import UnreadableFileError, read_regular
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.problems import START, Mark, Place, Problem, dotted, refusal
 
 LARGEST_FILE = 5_000_000

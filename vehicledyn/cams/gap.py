@@ -8,7 +8,8 @@ any guidance of the follower, and to first order beside.
 
 from __future__ import annotations
 
-from vehicledyn.base.lazy_data import dataclass
+from dataclasses import dataclass
+
 from vehicledyn.cams.cam import Cam
 from vehicledyn.cams.follower import LineFollower, PointFollower
 from vehicledyn.cams.followers.axial import AxialRoller

@@ -9,10 +9,11 @@ shape of an outline.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.cams.follower import Follower, LineFollower, PointFollower
 from vehicledyn.cams.followers.axial import AxialRoller
 

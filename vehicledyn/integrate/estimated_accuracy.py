@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
-
-from vehicledyn.base.lazy_data import dataclass
+from dataclasses import dataclass, replace
 
 ENERGY = "energy_drift"
 """Name of the energy's balance among key figures."""

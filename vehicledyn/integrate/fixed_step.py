@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from vehicledyn.base.errors import InputError, NumericalError
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.integrate.accuracy.proposed_step import proposed_step
 from vehicledyn.integrate.accuracy.watch import AccuracyWatch
 from vehicledyn.integrate.accuracy.watched_run import Rerun, Way

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import NamedTuple, Protocol, TypeAlias
 
 import numpy as np
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.integrate.channel_ranges import Ranges, watched_channels
 from vehicledyn.integrate.kept_samples import KeptSamples
 from vehicledyn.kernel.engine import Vector

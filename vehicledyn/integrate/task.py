@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
 from vehicledyn.base.errors import NumericalError
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.integrate.course import Beginning, Carried, Course
 from vehicledyn.integrate.events import EventWatch, Point
 from vehicledyn.kernel.engine import Count, Figure, Ledger, Rows, Vector

@@ -7,13 +7,13 @@ as much as three times the equations, whatever the number of states.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
 
 from vehicledyn.base.errors import NumericalError
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.codegen.passes.kernel_functions import operations_in
 from vehicledyn.codegen.toolchain.compiler import CompilationError
 from vehicledyn.kernel.engine import Vector

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from vehicledyn.base.errors import InputError, NumericalError
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.kernel.engine import (
     Count,
     Engine,

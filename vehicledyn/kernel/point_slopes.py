@@ -11,12 +11,12 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.processors import cores
 from vehicledyn.codegen.ir.table_rows import TableRows
 from vehicledyn.codegen.toolchain.compiler import suitable_lanes

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.codegen.ir.table_rows import ROW
 from vehicledyn.codegen.passes.kernel_functions import apart_from_parameters
 from vehicledyn.codegen.printers.c_printer import print_function

@@ -7,12 +7,12 @@ A file is named by its stem, such as ``iltis_slalom``, or by its place without t
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Literal
 
 from vehicledyn.base.errors import InputError, unknown_name
-from vehicledyn.base.lazy_data import dataclass
 
 Kind = Literal["scenario", "study", "system", "profile"]
 

@@ -6,12 +6,12 @@ An extreme of samples that hold NaN is NaN, at the time of the first of them.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.lazy_data import dataclass
 
 Floats = NDArray[np.float64]
 

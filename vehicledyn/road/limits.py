@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.model.parts import BasePart, PartEvent, Situation
 from vehicledyn.road.vehicle import RoadVehicle
 from vehicledyn.road.wheel.road_wheel import RoadWheel

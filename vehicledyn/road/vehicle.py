@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.model.bodies import Joint, Turn
 from vehicledyn.multibody.model.parts import Part
 from vehicledyn.multibody.model.system import System

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import math
 from array import array
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.units import is_pure
 
 if TYPE_CHECKING:

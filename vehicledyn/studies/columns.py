@@ -6,12 +6,12 @@ import csv
 import io
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.files.limits import open_regular
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.problems import Mark, Place, Problem
 from vehicledyn.base.units import describe, is_bare, is_pure, missing_unit, parse_unit, to_si
 from vehicledyn.files.scenario.sources import Sources

@@ -7,7 +7,7 @@ import json
 import math
 from array import array
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,7 +16,6 @@ from pydantic import ValidationError
 
 import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.parameters import units_of
 from vehicledyn.base.problems import START, Place, Problem, dotted, refusal
 from vehicledyn.base.units import describe

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.problems import Problem
 from vehicledyn.base.yaml import Document, read_yaml, remembered_files
 from vehicledyn.files.scenario.load import LoadedScenario, examine_scenario

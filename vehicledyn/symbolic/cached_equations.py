@@ -10,10 +10,9 @@ from __future__ import annotations
 import base64
 import zlib
 from collections.abc import Callable
-from dataclasses import asdict, fields, replace
+from dataclasses import asdict, dataclass, fields, replace
 from typing import TYPE_CHECKING, Any
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.symbolic.equations import (
     Attitude,
     Block,

@@ -7,9 +7,9 @@ together; the chain rule does the rest on sparse matrices.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.shared import body_of, is_shared, known_function
 from vehicledyn.symbolic.table_calls import call_with, walk_calls

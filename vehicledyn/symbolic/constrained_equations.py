@@ -10,9 +10,8 @@ the expressions grow with the number of bodies alone.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
-
-from vehicledyn.base.lazy_data import dataclass
 
 Expression = Any
 """A column of ``casadi.SX`` expressions or symbols."""

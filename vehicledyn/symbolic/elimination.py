@@ -7,9 +7,9 @@ be compared with another.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.symbolic.ops import Scalar
 
 Rows = list[dict[int, Scalar]]

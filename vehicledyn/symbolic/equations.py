@@ -11,10 +11,8 @@ on its own unknowns and those of earlier blocks only, so each block is a small N
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
-
-from vehicledyn.base.lazy_data import dataclass
 
 if TYPE_CHECKING:
     from vehicledyn.symbolic.constrained_equations import ConstrainedEquations

@@ -8,9 +8,9 @@ large ones are handed to a sparse L D Lᵀ at run time, as a call.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.elimination import Rows
 from vehicledyn.symbolic.ops import Scalar

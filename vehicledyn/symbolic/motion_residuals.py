@@ -8,9 +8,8 @@ its derivatives are short: da = -(∂r/∂a)⁻¹ dr, where ∂r/∂a is the red
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
-
-from vehicledyn.base.lazy_data import dataclass
 
 Expression = Any
 """A column of ``casadi.SX`` expressions or symbols."""

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Any, TypeVar, cast
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.parameters import ParameterSet, field_unit
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar

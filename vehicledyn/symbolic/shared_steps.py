@@ -9,10 +9,10 @@ that is known of a place is lost.
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Sequence
+from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 from vehicledyn.base.bounded_cache import BoundedCache
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Mat
 from vehicledyn.symbolic.shared import known_function

@@ -8,9 +8,8 @@ guided link at its outer end. The carrier turns about the line between the two b
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.elements.drives import ConstantRate
 from vehicledyn.multibody.elements.motion_sensors import Accelerometer, BodySensor, SequenceSensor
 from vehicledyn.multibody.elements.point_forces import Attachment, Link

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from vehicledyn.base.lazy_data import dataclass
+from dataclasses import dataclass
+
 from vehicledyn.multibody.elements.point_forces import Attachment
 from vehicledyn.multibody.model.parts import BasePart, Output, Situation
 from vehicledyn.symbolic import ops

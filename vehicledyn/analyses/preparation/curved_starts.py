@@ -7,13 +7,13 @@ there the balance is followed along the track, while its curvature grows, to the
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyses.preparation.prepared import Prepared
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.units import shown
 from vehicledyn.rail.track.running import TRACK_POSITION
 from vehicledyn.rail.track.track import Track

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Literal
 
@@ -36,7 +36,6 @@ from vehicledyn.analyses.preparation.start_rates import start_rates
 from vehicledyn.analyses.preparation.vague_starts import refuse_vague_start
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.base.interrupts import undisturbed
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.files.scenario.target import Target
 from vehicledyn.kernel.make_kernel import Backend, compile_kernel
 from vehicledyn.multibody.model.parts import BasePart

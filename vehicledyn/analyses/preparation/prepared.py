@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +14,6 @@ from vehicledyn.analyses.preparation.error_locations import told_with_places
 from vehicledyn.analyses.preparation.runnable import Subject, index_of
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.interrupts import undisturbed
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.files.scenario.target import Target
 from vehicledyn.kernel.kernel import Kernel
 from vehicledyn.kernel.make_kernel import Backend, compile_kernel

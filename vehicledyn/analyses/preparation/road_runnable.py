@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Self
 
 from vehicledyn.analyses.preparation.ports import Ports, WheelPort
 from vehicledyn.analyses.preparation.runnable import Vector, index_of, start_values
 from vehicledyn.analyses.preparation.seat_figures import seat_channels, seat_figures
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.shapes import Hull, Shape
 from vehicledyn.multibody.elements.driveline.half_shaft import HalfShaft
 from vehicledyn.multibody.model.bodies import Joint

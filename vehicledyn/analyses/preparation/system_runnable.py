@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Self
 
 from vehicledyn.analyse.periodic.invariance import mattering_states
@@ -16,7 +16,6 @@ from vehicledyn.analyses.preparation.energy_figures import (
 from vehicledyn.analyses.preparation.ports import Ports
 from vehicledyn.analyses.preparation.runnable import Vector, start_values
 from vehicledyn.analyses.preparation.seat_figures import seat_channels, seat_figures
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.model.bodies import Joint
 from vehicledyn.multibody.model.ground import GROUND
 from vehicledyn.multibody.model.parts import Part

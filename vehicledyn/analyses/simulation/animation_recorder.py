@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.equations.system_shapes import appearance
 from vehicledyn.multibody.recursion.numeric_kinematics import Skeleton, skeleton_from
 from vehicledyn.rail.track.track import Track

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import field
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyses.preparation.prepared import Prepared
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.model.system import System
 from vehicledyn.symbolic import ops
 

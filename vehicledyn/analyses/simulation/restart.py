@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from vehicledyn.analyses.preparation.prepared import Prepared
 from vehicledyn.base.argument_names import argument, setting
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.integrate.course import Beginning
 from vehicledyn.integrate.estimated_accuracy import Accuracy, worst_of

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 from vehicledyn.analyses.preparation.prepared import Prepared
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.units import shown
 from vehicledyn.results.store.layout import SummaryEntry
 

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.integrate.course import Carried, Course
 from vehicledyn.integrate.fixed_step import FixedSteps
 from vehicledyn.integrate.simulate import Solver, make_task

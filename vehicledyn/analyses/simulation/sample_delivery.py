@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.integrate.accuracy.watch import AccuracyWatch
 from vehicledyn.integrate.task import Sink
 from vehicledyn.kernel.kernel import Kernel

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
-from dataclasses import field, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -47,7 +47,6 @@ from vehicledyn.analyses.simulation.wanted_outputs import (
     written_channels,
 )
 from vehicledyn.base.errors import InputError, NumericalError
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.units import shown
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.integrate.course import Course, most_numbers

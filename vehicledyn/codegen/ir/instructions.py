@@ -13,11 +13,10 @@ The one place that knows how CasADi stores a function; printers of any language 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from functools import cache
 from typing import Any, NamedTuple
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.symbolic.cell_functions import is_slope
 from vehicledyn.symbolic.shared import inlined
 from vehicledyn.symbolic.table_calls import calls_in

@@ -11,9 +11,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from typing import Any
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.codegen.ir.instructions import read_function
 from vehicledyn.codegen.ir.sx_graph import Node, Rebuild, fixed_from, read_nodes
 from vehicledyn.codegen.passes.reciprocals import use_reciprocals

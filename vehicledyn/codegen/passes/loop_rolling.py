@@ -9,9 +9,8 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.codegen.ir.instructions import INPUT
 from vehicledyn.codegen.passes.lowering import Lowered
 from vehicledyn.codegen.passes.scheduling import Pack, Step, computed_by, operands_of

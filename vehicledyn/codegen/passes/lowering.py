@@ -14,9 +14,9 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable
+from dataclasses import dataclass
 from functools import cached_property
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.codegen.ir.instructions import (
     CELL,
     CONST,

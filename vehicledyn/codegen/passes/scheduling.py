@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable
+from dataclasses import dataclass
 from heapq import heapify, heappop, heappush
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.codegen.ir.instructions import CONST, INPUT, RESULT, SHARED, Instruction
 from vehicledyn.codegen.passes.slp_rows import PLACES, Row
 

@@ -9,10 +9,9 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Iterable
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.codegen.ir.instructions import SHARED
 from vehicledyn.codegen.passes.lowering import Lowered, is_at_hand
 from vehicledyn.codegen.passes.scheduling import Pack, computed_by, operands_of

@@ -11,10 +11,10 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.codegen.ir.sx_graph import calls_of, read_nodes
 from vehicledyn.codegen.passes.kernel_functions import (
     apart_in_functions,

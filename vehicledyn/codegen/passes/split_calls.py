@@ -7,10 +7,10 @@ alone need not be made again at each call.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from vehicledyn.base.bounded_cache import BoundedCache
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.codegen.ir.sx_graph import Rebuild, fixed_from, read_nodes
 from vehicledyn.codegen.passes.reciprocals import use_reciprocals
 from vehicledyn.symbolic.shared import known_function

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from dataclasses import field
+from dataclasses import dataclass, field
 from functools import cached_property
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.codegen.ir.instructions import Instruction
 from vehicledyn.codegen.ir.table_rows import ROW
 from vehicledyn.codegen.passes.loop_rolling import Rolling

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from dataclasses import dataclass
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.codegen.passes.scheduling import Step, computed_by, operands_of
 from vehicledyn.codegen.passes.slp_rows import PLACES
 from vehicledyn.codegen.printers.function_body import FunctionBody

@@ -6,10 +6,10 @@ A large kernel comes in units, so that the compiler works on one while the next 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.codegen.ir.instructions import read_function
 from vehicledyn.codegen.ir.table_rows import ROW
 from vehicledyn.codegen.passes.kernel_functions import (

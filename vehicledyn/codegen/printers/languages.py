@@ -7,10 +7,10 @@ language are in :mod:`vehicledyn.codegen.printers.operations`.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import NamedTuple
 
 from vehicledyn.base.errors import MissingPartError
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.codegen.ir.instructions import ENTRY
 
 ATOM, NOT, PRODUCT, SUM, COMPARISON, AND, OR, CHOICE = 100, 70, 60, 50, 40, 30, 20, 10

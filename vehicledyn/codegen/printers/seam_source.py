@@ -9,9 +9,8 @@ rows of tables and the copies behind them at the pointer it gets.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.codegen.ir.instructions import read_function
 from vehicledyn.codegen.ir.table_rows import ROW
 from vehicledyn.codegen.passes.seam_cut import SeamCut

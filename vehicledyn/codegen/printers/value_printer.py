@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.codegen.ir.instructions import CONST, INPUT
 from vehicledyn.codegen.passes.lowering import CONDITIONS
 from vehicledyn.codegen.printers.function_body import FunctionBody

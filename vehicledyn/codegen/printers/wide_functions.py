@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import field
+from dataclasses import dataclass, field
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.codegen.passes.loop_rolling import is_deep
 from vehicledyn.codegen.passes.lowering import Lowered
 from vehicledyn.codegen.passes.scheduling import Pack

@@ -17,11 +17,11 @@ import stat
 import tempfile
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
 from vehicledyn.base.files.ownership import writable_by_others
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.codegen.toolchain.compiler import CompilationError
 
 T = TypeVar("T")

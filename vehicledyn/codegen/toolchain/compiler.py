@@ -11,10 +11,10 @@ import subprocess
 import sys
 from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.processors import cores
 
 UNIT_BREAK = "\n/* ---- another unit ---- */\n"

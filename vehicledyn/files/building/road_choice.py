@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.road.surfaces.surface import RoadSurface
 
 if TYPE_CHECKING:

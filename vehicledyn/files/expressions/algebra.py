@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 import operator
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.numbers import quarter_turns
 from vehicledyn.base.units import Unit
 from vehicledyn.symbolic import ops

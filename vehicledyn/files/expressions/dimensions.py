@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache, lru_cache
 from typing import Any
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.units import missing_unit, parse_unit
 from vehicledyn.files.expressions.algebra import Algebra, ExpressionError, Quantity
 

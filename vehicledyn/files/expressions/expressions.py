@@ -15,12 +15,11 @@ import math
 import re
 import warnings
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
 from vehicledyn.base.errors import InputError, unknown_name
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.units import UNITS, describe, parse_unit
 from vehicledyn.files.expressions.algebra import (
     FUNCTIONS,

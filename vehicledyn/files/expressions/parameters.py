@@ -5,11 +5,10 @@ from __future__ import annotations
 import keyword
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Any
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.problems import Place, dotted
 from vehicledyn.base.units import describe, parse_unit
 from vehicledyn.files.expressions.algebra import FUNCTIONS, NUMBERS, ExpressionError

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +12,6 @@ from pydantic import ValidationError
 
 from vehicledyn.base.errors import InputError, unknown_name
 from vehicledyn.base.files.limits import UnreadableFileError, check_regular
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.parameters import as_plain, field_unit, units_of
 from vehicledyn.base.problems import START, Place, Problem, refusal
 from vehicledyn.base.registry import find, kinds

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar
 
 from vehicledyn.base.errors import InputError, unknown_name
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.problems import Place, Problem
 from vehicledyn.base.units import to_si
 from vehicledyn.files.scenario.model_names import PYTHON

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Any
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.problems import Place
 from vehicledyn.files.expressions.algebra import NUMBERS, ExpressionError
 from vehicledyn.files.expressions.expressions import Expression, read_expression

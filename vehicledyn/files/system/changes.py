@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Iterator
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Any
 
 from vehicledyn.base.errors import nearest_name
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.problems import Place
 from vehicledyn.base.units import describe, is_pure, missing_unit
 from vehicledyn.files.expressions.fields import flattened

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, ClassVar
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.problems import START, Problem
 from vehicledyn.base.units import describe
 from vehicledyn.base.yaml import Document, read_yaml

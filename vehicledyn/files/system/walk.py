@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Any
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.parameters import ParameterSet
 from vehicledyn.base.problems import Place
 from vehicledyn.files.expressions.expressions import Expression

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from vehicledyn.base.errors import NumericalError
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.integrate.accuracy.watched_run import KINETIC, WatchedRun, Way
 from vehicledyn.integrate.accuracy.windows import WindowStart, is_cheap, may_be_repeated, order_of
 from vehicledyn.integrate.channel_ranges import Ranges

@@ -11,12 +11,11 @@ touches the run itself.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.integrate.accuracy.half_step_run import (
     MOVED,
     ends_without_reason,

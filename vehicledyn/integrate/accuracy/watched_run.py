@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import NumericalError
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.integrate.accuracy.proposed_step import proposed_step
 from vehicledyn.integrate.accuracy.windows import (
     HALF,

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import numpy as np
 
 from vehicledyn.base.errors import NumericalError
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.integrate.simulate import simulate
 from vehicledyn.kernel.engine import Count, March, Method, Rows, Status, Vector
 from vehicledyn.kernel.kernel import Kernel

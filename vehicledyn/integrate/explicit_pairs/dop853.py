@@ -7,12 +7,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import TypeAlias
 
 import numpy as np
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.integrate.explicit_pairs.dop853_table import (
     ALL_STAGES,
     DENSE,

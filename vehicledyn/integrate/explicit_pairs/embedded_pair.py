@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
-
-from vehicledyn.base.lazy_data import dataclass
 
 Row = tuple[float, ...]
 

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import fields
+from dataclasses import dataclass, fields
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.bodies.beam_sections import Section
 from vehicledyn.multibody.bodies.beam_shapes import quadrature
 from vehicledyn.multibody.model.declaration import choice, number

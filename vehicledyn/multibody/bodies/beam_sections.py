@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from typing import Literal
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.model.declaration import choice, number
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar

@@ -10,9 +10,9 @@ length s is turned by R₀ = exp(K̃ s) and stands at ∫ R₀ e₁ ds:
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cached_property
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.bodies.beam_shapes import quadrature
 from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec

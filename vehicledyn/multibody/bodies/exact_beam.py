@@ -14,7 +14,7 @@ curvature K; its sections turn by R₀ R, and Rᵀ K - K adds to the strains of 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -22,7 +22,6 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.bodies.beam_properties import TAPER_POINTS, Properties, Stiffness
 from vehicledyn.multibody.bodies.beam_shapes import Shapes, quadrature
 from vehicledyn.multibody.bodies.curved_axis import CurvedAxis

@@ -14,14 +14,13 @@ Bernoulli).
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.bodies.beam_properties import TAPER_POINTS, Properties
 from vehicledyn.multibody.bodies.beam_shapes import Shapes, quadrature
 from vehicledyn.multibody.bodies.section_loads import SectionLoads

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.bodies.beam_sections import Section
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Channel

@@ -18,9 +18,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.bodies.beam_properties import TAPER_POINTS, Properties
 from vehicledyn.multibody.bodies.beam_shapes import SPARE, assumed_shapes, quadrature
 from vehicledyn.multibody.bodies.curved_axis import CurvedAxis

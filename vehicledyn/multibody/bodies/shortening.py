@@ -10,14 +10,13 @@ of all pairs of shapes there are then as many slopes as shapes, and one or a few
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.bodies.beam_shapes import Shapes, quadrature
 from vehicledyn.multibody.model.deformation import Follower
 from vehicledyn.symbolic import ops

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import field
+from dataclasses import dataclass, field
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.shapes import Shape
 from vehicledyn.multibody.model.parts import BasePart
 

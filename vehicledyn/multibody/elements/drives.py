@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.model.parts import BasePart, Clock, Loads, Motion, Situation
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar

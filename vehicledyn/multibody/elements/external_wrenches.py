@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Literal
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.registry import register
 from vehicledyn.base.shapes import Anchor, Force, Shape
 from vehicledyn.multibody.model.declaration import ORIGIN, body_name, choice, function, vector

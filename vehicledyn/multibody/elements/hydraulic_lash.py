@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.registry import register
 from vehicledyn.base.shapes import Anchor, Shape, Tube
 from vehicledyn.multibody.elements.contacts.touch import Touch, pair_of_forces

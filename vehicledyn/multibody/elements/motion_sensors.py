@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import ClassVar, Literal, TypeAlias
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.registry import register
 from vehicledyn.multibody.model.declaration import ORIGIN, body_name, choice, vector
 from vehicledyn.multibody.model.parts import BasePart, ForcesUnknownError, Output, Situation

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import math
 from abc import abstractmethod
+from dataclasses import dataclass
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.registry import register
 from vehicledyn.multibody.model.constraints import BaseConstraint, Geometry, LinearConstraint
 from vehicledyn.multibody.model.cuts import Proportional, Residual

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.model.parts import BasePart, Loads, PartEvent, Situation
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Direction, Variable

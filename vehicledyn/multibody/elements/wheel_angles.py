@@ -19,9 +19,9 @@ pointing out of the car, and side = 1 on the left, -1 on the right:
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Literal
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.registry import register
 from vehicledyn.multibody.elements.point_forces import Attachment
 from vehicledyn.multibody.model.declaration import (

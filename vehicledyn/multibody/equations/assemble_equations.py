@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.validation_messages import lower_first
 from vehicledyn.multibody.equations.impacts import Impacts
 from vehicledyn.multibody.equations.multipliers import Multipliers, Projection

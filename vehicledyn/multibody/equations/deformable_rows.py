@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.model.deformation import Flexibility
 from vehicledyn.multibody.model.kinematics import Kinematics
 from vehicledyn.symbolic import ops

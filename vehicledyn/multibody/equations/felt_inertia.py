@@ -11,11 +11,10 @@ recursion of :mod:`vehicledyn.multibody.recursion.articulated_body` in square-ro
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-
-from vehicledyn.base.lazy_data import dataclass
 
 Array = NDArray[np.float64]
 _WIDTH = 6

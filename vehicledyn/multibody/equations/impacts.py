@@ -17,9 +17,9 @@ T̂ᵀ M T̂ (w⁺ - w⁻) = T̂ᵀ M (v⁻ - v̂).
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 
 from vehicledyn.base.errors import InputError, unknown_name
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.equations.outputs import Solved
 from vehicledyn.multibody.loops.loop_closure import Loops
 from vehicledyn.multibody.model.parts import PartEvent

@@ -15,12 +15,11 @@ singular. Hairer, Wanner (1996), Solving Ordinary Differential Equations II, sec
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.loops.closure import MultiplierClosure
 from vehicledyn.multibody.loops.coupling import most_entangled
 from vehicledyn.multibody.loops.loop_closure import Loops

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from vehicledyn.base.lazy_data import dataclass
+from dataclasses import dataclass
+
 from vehicledyn.base.validation_messages import lower_first
 from vehicledyn.multibody.equations.multipliers import Projection
 from vehicledyn.multibody.loops.closure import Closure, MultiplierClosure

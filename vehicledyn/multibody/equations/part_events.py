@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 
 from vehicledyn.base.errors import InputError, unknown_name
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.equations.impacts import Impacts
 from vehicledyn.multibody.equations.outputs import Solved
 from vehicledyn.multibody.model.parts import PartEvent

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.loops.loop_closure import Loops
 from vehicledyn.multibody.model.parts import Loads
 from vehicledyn.multibody.model.symbols import Symbols

@@ -6,10 +6,9 @@ equations of the system are the same whoever acts, and are compiled once for all
 
 from __future__ import annotations
 
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.model.parts import Loads, Motion, Part, Situation, loads_of
 from vehicledyn.multibody.model.symbols import Symbols
 from vehicledyn.symbolic import ops

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.equations.deformable_rows import DeformableRows, DeformedNumbers, roots
 from vehicledyn.multibody.equations.felt_inertia import (
     LinkNumbers,

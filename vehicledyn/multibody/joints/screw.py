@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Literal
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.registry import register
 from vehicledyn.multibody.joints.joint_type import Axes, JointType, choice, setting
 from vehicledyn.symbolic import rotations

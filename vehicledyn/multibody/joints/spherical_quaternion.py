@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.registry import register
 from vehicledyn.multibody.joints.joint_type import Axes, Element, JointType, choice
 from vehicledyn.symbolic import rotations

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError, NumericalError, VehicledynError
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.loops.assembly import NotAssembledError
 from vehicledyn.multibody.loops.configuration import LoopAssembly, loop_joints
 from vehicledyn.multibody.loops.partition import RANK_TOLERANCE

@@ -6,9 +6,8 @@ solved block by block with pivots chosen at assembly.
 
 from __future__ import annotations
 
-from dataclasses import field
+from dataclasses import dataclass, field
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.loops.partition import Partition
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.elimination import Rows, solve_in_order, transpose

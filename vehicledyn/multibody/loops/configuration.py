@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError, NumericalError
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.loops import assembly, partition
 from vehicledyn.multibody.loops.assembly import NotAssembledError
 from vehicledyn.multibody.loops.constraint_equations import Gaps

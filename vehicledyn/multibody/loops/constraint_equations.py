@@ -6,13 +6,13 @@ Holonomic rows h(q, t) come first, then the non-holonomic ones B q̇ + b.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.loops.cut_motion import MovingResidual, moving_residuals
 from vehicledyn.multibody.model.constraints import Geometry, Movement
 from vehicledyn.multibody.model.cuts import Residual

@@ -8,10 +8,10 @@ by θ_b, free of its joints, the force on it is λ ∂h/∂d_b and the torque λ
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any, cast
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.loops.constraint_equations import Row
 from vehicledyn.multibody.model.constraints import Geometry, Movement
 from vehicledyn.multibody.model.cuts import Residual

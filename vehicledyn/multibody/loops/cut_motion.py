@@ -10,9 +10,9 @@ for its loops than with derivatives of the expanded residuals.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TypeAlias
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.joints.joint_type import Axes
 from vehicledyn.multibody.model.cuts import Cut, Residual
 from vehicledyn.multibody.model.kinematics import Kinematics

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import field
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.loops.assembly import NotAssembledError
 from vehicledyn.multibody.loops.assembly_diagnosis import RigidLoop, rigid_loops, why_open
 from vehicledyn.multibody.loops.closure import Closure, MultiplierClosure

@@ -8,12 +8,12 @@ coordinates, rows left over are redundant.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.symbolic.elimination import triangular_blocks
 
 Array = NDArray[np.float64]

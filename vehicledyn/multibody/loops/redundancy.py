@@ -7,10 +7,11 @@ determined from rigid bodies; all else can.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.loops.configuration import LoopAssembly
 from vehicledyn.multibody.loops.partition import RANK_TOLERANCE
 

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.registry import find
 from vehicledyn.multibody.joints.joint_type import FAMILY, JointType, joint_type
 

@@ -7,9 +7,9 @@ B(q, t) q̇ + b(q, t) = 0 (book, equation 2.20), removes a rate and leaves all c
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.model.cuts import Proportional, Residual
 from vehicledyn.symbolic import ops
 

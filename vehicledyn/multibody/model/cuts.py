@@ -7,9 +7,9 @@ on the coordinates of the loop alone. The multiplier of a residual is a force or
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Protocol
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.shapes import Anchor, Ball, Shape, Tube
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.labels import unlabelled

@@ -8,11 +8,10 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec
 
 if TYPE_CHECKING:

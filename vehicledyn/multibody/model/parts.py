@@ -8,11 +8,10 @@ equations. Nothing configures a part from outside.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.model.ground import body_axes
 from vehicledyn.symbolic import frames
 

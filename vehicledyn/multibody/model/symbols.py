@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import field
+from dataclasses import dataclass, field
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.model.bodies import Joint
 from vehicledyn.multibody.model.kinematics import Kinematics
 from vehicledyn.multibody.model.parts import Clock, Motion, Part, Situation, TransmittedForces

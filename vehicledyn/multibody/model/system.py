@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal, TypeAlias
 
 from vehicledyn.base.errors import InputError, unknown_name
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.joints.deformation import DEFORMATION
 from vehicledyn.multibody.joints.joint_type import joint_kinds, joint_type
 from vehicledyn.multibody.model.bodies import ROLES, Body, Joint

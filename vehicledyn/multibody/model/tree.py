@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.joints.joint_type import JointType
 from vehicledyn.multibody.model.bodies import Body, Joint
 from vehicledyn.multibody.model.deformation import Flexibility, Station

@@ -10,10 +10,10 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import partial
 from typing import TypeAlias
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.joints.joint_type import Axes
 from vehicledyn.multibody.model.joint_wrench import JointWrench
 from vehicledyn.multibody.model.kinematics import Kinematics

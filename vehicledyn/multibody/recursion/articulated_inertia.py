@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.recursion.body_inertia import BodyInertia
 from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec

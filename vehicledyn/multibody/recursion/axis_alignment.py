@@ -11,11 +11,10 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.model.bodies import Body
 from vehicledyn.multibody.model.parts import Wrench
 from vehicledyn.multibody.model.tree import Link, Tree

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from vehicledyn.base.lazy_data import dataclass
+from dataclasses import dataclass
+
 from vehicledyn.multibody.model.bodies import Body
 from vehicledyn.multibody.model.deformation import Flexibility
 from vehicledyn.multibody.model.kinematics import Kinematics

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.model.kinematics import Kinematics
 from vehicledyn.multibody.model.parts import Wrench
 from vehicledyn.multibody.model.tree import Link

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from vehicledyn.base.lazy_data import dataclass
+from dataclasses import dataclass
+
 from vehicledyn.multibody.joints.joint_type import Axes
 from vehicledyn.multibody.model.joint_wrench import JointWrench
 from vehicledyn.multibody.model.tree import Link

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.model.bodies import Body
 from vehicledyn.multibody.recursion.body_inertia import BodyInertia, LinkMotion
 from vehicledyn.symbolic import ops, rotations

@@ -16,12 +16,12 @@ left out; nothing follows the coordinates then.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.model.deformation import Follower, Integrals
 from vehicledyn.multibody.model.joint_wrench import JointWrench
 from vehicledyn.multibody.recursion.deformed_inertia import DeformedInertia

@@ -8,12 +8,12 @@ axis of the pose: that stays exact between two pictures, however fast a wheel sp
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.numbers.quaternions import about, from_rows, multiplied, rotated
 from vehicledyn.multibody.bodies.drawn_beam import deflected_exactly
 from vehicledyn.multibody.joints.joint_type import JointType, joint_type

@@ -8,9 +8,9 @@ inertia the body has beyond, such as that of sections about the first axis, adds
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cached_property
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.model.deformation import Flexibility, Slice
 from vehicledyn.multibody.model.joint_wrench import JointWrench
 from vehicledyn.multibody.model.kinematics import Kinematics

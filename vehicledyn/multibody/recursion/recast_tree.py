@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.model.deformation import Flexibility, Station
 from vehicledyn.multibody.model.kinematics import Kinematics
 from vehicledyn.multibody.model.tree import Link, Tree

@@ -13,8 +13,8 @@ supply.
 from __future__ import annotations
 
 from collections import defaultdict
+from dataclasses import dataclass
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.model.joint_wrench import JointWrench
 from vehicledyn.multibody.recursion import inertia
 from vehicledyn.multibody.recursion.articulated_inertia import ArticulatedInertia

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from typing import NamedTuple
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.model.parts import Output
 from vehicledyn.rail.creep.creep_law import CreepForces
 from vehicledyn.rail.creep.creepage import Creepages

@@ -34,12 +34,11 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Hashable
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.rail.contact.elastic_patch import ElasticPatch
 from vehicledyn.rail.contact.neighbouring_contacts import neighbours
 from vehicledyn.rail.contact.wheel_grid import WheelGrid, wheel_grid

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from vehicledyn.base.lazy_data import dataclass
+from dataclasses import dataclass
+
 from vehicledyn.rail.geometry.hertz import ContactEllipse, Hertz
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.parameters import ParameterSet
 from vehicledyn.multibody.model.parts import Part
 from vehicledyn.rail.creep.creep_law import CreepLaw

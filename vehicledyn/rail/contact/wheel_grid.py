@@ -15,6 +15,7 @@ as one between them, in a direction of its own; such forces have no potential an
 from __future__ import annotations
 
 import itertools
+from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple
 
@@ -23,7 +24,6 @@ from numpy.typing import NDArray
 
 from vehicledyn.base.bounded_cache import BoundedCache
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.rail.contact.contact_identity import identity_of
 from vehicledyn.rail.geometry.contact_geometry import Pose, Rail, Wheel, silhouette, wheel_above
 from vehicledyn.rail.profiles.profile_pieces import Floats

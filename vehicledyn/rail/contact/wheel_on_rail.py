@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.parameters import field_unit
 from vehicledyn.base.shapes import Shape
 from vehicledyn.multibody.model.parts import BasePart, Loads, Output, PartEvent, Situation, Wrench

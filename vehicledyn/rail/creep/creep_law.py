@@ -9,8 +9,8 @@ half a turn (y to the right, z down) all laws read the same.
 from __future__ import annotations
 
 from abc import abstractmethod
+from dataclasses import dataclass
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.parameters import ParameterSet, quantity
 from vehicledyn.rail.creep.creepage import Creepages
 from vehicledyn.rail.creep.kalker import CreepCoefficients, creep_coefficients

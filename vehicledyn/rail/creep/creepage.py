@@ -20,7 +20,8 @@ Simeon, Führer, Rentrop (1991), Surveys on Mathematics for Industry 1, 1-37 (th
 
 from __future__ import annotations
 
-from vehicledyn.base.lazy_data import dataclass
+from dataclasses import dataclass
+
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar
 

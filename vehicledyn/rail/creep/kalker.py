@@ -21,11 +21,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 from importlib.resources import files
 from typing import Any
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar
 

@@ -24,6 +24,7 @@ parameters: the silhouette, there called the track of contact points, without cu
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
@@ -31,7 +32,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.rail.profiles.profile import Profile, tabulated
 from vehicledyn.rail.profiles.profile_pieces import Floats, Table
 

@@ -14,8 +14,8 @@ in Rolling Contact.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.rail.geometry.hertz_shape import ellipse_shape
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar

@@ -9,11 +9,10 @@ before the rail is inclined. Profiles of left and right side are mirror images o
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.rail.profiles.profile_names import Kind
 from vehicledyn.rail.profiles.profile_pieces import Floats, Piece, Table
 

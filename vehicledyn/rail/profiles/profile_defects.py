@@ -10,12 +10,12 @@ points ten times as long as is usual in the file.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.rail.profiles.fitted_cubics import fit_cubics, powers
 from vehicledyn.rail.profiles.profile import STEEPEST
 from vehicledyn.rail.profiles.profile_pieces import Floats

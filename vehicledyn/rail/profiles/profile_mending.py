@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.problems import MOST_SHOWN, Mark, Problem, refusal
 from vehicledyn.rail.profiles.profile_defects import MOST_OUTLIERS, find_defects
 from vehicledyn.rail.profiles.profile_defects import Defects as Found

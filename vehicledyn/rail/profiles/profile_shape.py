@@ -6,12 +6,11 @@ said.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.rail.profiles.profile_mending import mended
 from vehicledyn.rail.profiles.profile_names import Kind
 from vehicledyn.rail.profiles.profile_order import put_in_order

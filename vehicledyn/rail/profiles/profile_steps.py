@@ -8,9 +8,10 @@ as dirt or a badly joined sweep leaves it.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.rail.profiles.fitted_cubics import fit_cubics
 from vehicledyn.rail.profiles.profile_pieces import Floats
 

@@ -7,13 +7,13 @@ gradient jumps, a value from either side can be asked for.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.rail.track.pieces import Grade, Piece
 from vehicledyn.rail.track.transition_shapes import SHAPES, cubic_parabola
 

@@ -9,12 +9,12 @@ derivatives; a few knots away from a kink the two frames agree. Wheels meet the 
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import ceil, factorial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.rail.track.alignment import Alignment
 from vehicledyn.rail.track.track import CentreLine
 from vehicledyn.symbolic import ops, rotations

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.model.parts import Situation
 from vehicledyn.rail.track.track import Side, Track, TrackFrame
 from vehicledyn.symbolic import ops

@@ -11,10 +11,9 @@ wants it.
 
 from __future__ import annotations
 
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Literal, Protocol
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.rail.profiles.profile_reading import AS_IT_IS, ProfileReading
 from vehicledyn.symbolic import frames, labels, ops, rotations
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.rail.track.alignment import Alignment
 from vehicledyn.rail.track.riding_line import RidingLine, riding_line
 from vehicledyn.rail.track.track import Side, TrackFrame

@@ -9,12 +9,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-
-from vehicledyn.base.lazy_data import dataclass
 
 Array = NDArray[np.float64]
 _NEWTON_STEPS = 40

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.results.assessment.even_samples import Samples
 from vehicledyn.results.assessment.filters import filtered_section
 from vehicledyn.results.assessment.signal import Floats

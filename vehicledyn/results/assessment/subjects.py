@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.results.assessment.comfort import DIRECTIONS
 
 _WHEEL = re.compile(r"(.+)\.(left|right)\.Q")

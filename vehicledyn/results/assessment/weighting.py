@@ -20,11 +20,11 @@ makers of vibration meters print it.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.results.assessment.signal import Floats
 
 LATERAL, VERTICAL = 0.737, 0.588

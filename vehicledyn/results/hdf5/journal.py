@@ -11,10 +11,10 @@ import os
 import struct
 import zlib
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import IO
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.results.hdf5.seal import Patch, read_seal, seal_of, write_all
 
 MAGIC = b"\x89VDJRNL\n"

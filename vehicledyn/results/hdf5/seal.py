@@ -11,10 +11,9 @@ import os
 import struct
 import zlib
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, TypeAlias
-
-from vehicledyn.base.lazy_data import dataclass
 
 Patch: TypeAlias = tuple[int, bytes]
 """Offset and the bytes that belong there."""

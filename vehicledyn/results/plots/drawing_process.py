@@ -9,9 +9,9 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from pathlib import Path
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.own_programs import end_program, start_module
 from vehicledyn.base.processors import cores
 

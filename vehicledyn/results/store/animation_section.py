@@ -16,12 +16,12 @@
 from __future__ import annotations
 
 import json
+from dataclasses import dataclass
 
 import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.results.store.animation_stage import Stage, read_stage
 from vehicledyn.results.store.consistency import require_stored
 from vehicledyn.results.store.layout import clean_text

@@ -5,9 +5,8 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
-
-from vehicledyn.base.lazy_data import dataclass
 
 _SIZES: dict[str, tuple[str, ...]] = {
     "box": ("at", "size"),

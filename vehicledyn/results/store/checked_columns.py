@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import field
+from dataclasses import dataclass, field
 
 import h5py
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.results.hdf5.damage import rows_in_words
 from vehicledyn.results.hdf5.opening import OpenFile
 from vehicledyn.results.hdf5.seal import DamagedError

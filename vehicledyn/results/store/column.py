@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import AbstractContextManager
+from dataclasses import dataclass
 
 import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.results.store.decimation import portions
 
 

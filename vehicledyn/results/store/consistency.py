@@ -7,13 +7,12 @@ of files turn into the message that the file is damaged.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Any
 
 import h5py
 import numpy as np
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.results.hdf5.opening import OpenFile
 from vehicledyn.results.hdf5.text_lengths import require_lengths
 from vehicledyn.results.store.decimation import promises_too_much

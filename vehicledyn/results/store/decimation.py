@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import h5py
 import numpy as np
 from numpy.typing import NDArray
-
-from vehicledyn.base.lazy_data import dataclass
 
 Floats = NDArray[np.float64]
 

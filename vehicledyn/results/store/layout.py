@@ -23,14 +23,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.lazy_data import dataclass
 
 FORMAT = "vehicledyn-result"
 FORMAT_VERSION = 1

@@ -20,13 +20,11 @@ The file is HDF5; only what its status calls done counts::
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-
-from vehicledyn.base.lazy_data import dataclass
 
 FORMAT = "vehicledyn-study"
 FORMAT_VERSION = 1

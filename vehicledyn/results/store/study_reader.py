@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -14,7 +15,6 @@ from numpy.typing import NDArray
 
 from vehicledyn.base.argument_names import argument
 from vehicledyn.base.errors import InputError, unknown_name
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.results.hdf5.damage import reading
 from vehicledyn.results.hdf5.opening import OpenFile, open_file
 from vehicledyn.results.hdf5.output import is_being_written

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import field, fields
+from dataclasses import dataclass, field, fields
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.road.manoeuvres.time_table import TimeTable
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar

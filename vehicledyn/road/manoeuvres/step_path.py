@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar
 from vehicledyn.symbolic.parameters import ParameterTable

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 from vehicledyn.base.files.limits import read_regular
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.problems import Mark, Problem, refusal
 
 LARGEST_FILE = 2_000_000

@@ -7,10 +7,9 @@ PAC2002. ``default`` is a number, ``required``, or ``none`` where the law does w
 from __future__ import annotations
 
 import csv
+from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
-
-from vehicledyn.base.lazy_data import dataclass
 
 ALIASES = {
     "LFZ0": "LFZO",

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
 
 from vehicledyn.base.errors import InputError, unknown_name
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.problems import Mark, Problem, refusal
 from vehicledyn.road.tyre_files.lines import Entry, read_lines
 from vehicledyn.road.tyre_files.magnitudes import implausible

@@ -14,9 +14,8 @@ corrections of B and E are those of the programs that have them.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.road.tyres.magic_formula_sets import (
     AligningCoefficients,
     LateralCoefficients,

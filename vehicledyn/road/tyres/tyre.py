@@ -9,11 +9,11 @@ has positive camber and is pushed to the right, a negative lateral force.
 from __future__ import annotations
 
 from abc import abstractmethod
+from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.parameters import ParameterSet
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar

@@ -25,9 +25,9 @@ ground beside its plane, c sin γ nearer to the foot of its centre than a disc.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.road.surfaces.surface import RoadSurface, ground_normal
 from vehicledyn.road.tyres.smooth import floored
 from vehicledyn.symbolic import ops

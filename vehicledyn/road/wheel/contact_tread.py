@@ -20,9 +20,9 @@ below the centre, not the nearest point.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from itertools import pairwise
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.road.surfaces.surface import RoadSurface
 from vehicledyn.road.tyres.smooth import floored
 from vehicledyn.road.wheel.contact import Contact, contact_on_plane, wheel_axes

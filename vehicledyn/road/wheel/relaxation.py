@@ -19,11 +19,10 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from pydantic import Field
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.parameters import ParameterSet, quantity
 from vehicledyn.base.registry import register
 from vehicledyn.road.tyres.smooth import floored

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import field
+from dataclasses import dataclass, field
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.shapes import Anchor, Force, Plane, Shape, Wheel
 from vehicledyn.multibody.model.parts import BasePart, Loads, Output, Situation, Wrench
 from vehicledyn.road.surfaces.surface import RoadSurface, ground_normal

@@ -14,7 +14,8 @@ must resolve.
 
 from __future__ import annotations
 
-from vehicledyn.base.lazy_data import dataclass
+from dataclasses import dataclass
+
 from vehicledyn.road.tyres.smooth import floored
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar

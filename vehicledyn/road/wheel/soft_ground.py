@@ -20,9 +20,10 @@ wall beside the wheel (bulldozing) is left out, and each wheel meets fresh soil.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.road.soils.soil import Soil
 from vehicledyn.road.tyres.smooth import floored
 from vehicledyn.symbolic import ops

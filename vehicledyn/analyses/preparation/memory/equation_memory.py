@@ -9,13 +9,13 @@ ignored.
 from __future__ import annotations
 
 import hashlib
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyses.preparation.memory.entries import read_entry, write_entry
-from vehicledyn.base.lazy_data import dataclass
 
 Vector = NDArray[np.float64]
 

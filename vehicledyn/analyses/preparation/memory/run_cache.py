@@ -10,12 +10,11 @@ are kept likewise, for what validates it.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from vehicledyn.analyses.preparation.memory.entries import read_entry, write_entry
 from vehicledyn.analyses.preparation.memory.origins import key_of
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.symbolic.equations import Channel
 

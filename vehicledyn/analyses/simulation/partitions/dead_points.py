@@ -9,6 +9,7 @@ more, in steps of high order and controlled error, wherever a determinant may ha
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -32,7 +33,6 @@ from vehicledyn.analyses.simulation.partitions.singularity_crossing import (
 )
 from vehicledyn.analyses.simulation.partitions.singularity_monitor import LEVERAGE
 from vehicledyn.base.errors import NumericalError
-from vehicledyn.base.lazy_data import dataclass
 
 if TYPE_CHECKING:
     from vehicledyn.multibody.loops.partition_monitor import Comparison

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -26,7 +26,6 @@ from vehicledyn.analyses.simulation.partitions.singularity_monitor import (
 )
 from vehicledyn.analyses.simulation.run_plan import Point, RunPlan
 from vehicledyn.base.errors import NumericalError
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.integrate.task import Statistics
 from vehicledyn.kernel.kernel import Kernel
 from vehicledyn.kernel.make_kernel import compile_kernel

@@ -13,7 +13,7 @@ from __future__ import annotations
 import logging
 import time
 from collections.abc import Callable
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -48,7 +48,6 @@ from vehicledyn.analyses.simulation.partitions.singularity_monitor import (
 from vehicledyn.analyses.simulation.partitions.singularity_passing import SingularityPassing
 from vehicledyn.analyses.simulation.run_plan import Point, RunPlan
 from vehicledyn.base.errors import InputError, NumericalError
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.integrate.accuracy.watched_run import DivergenceError
 from vehicledyn.integrate.course import Beginning, Course
 from vehicledyn.integrate.task import Statistics, joined

@@ -10,7 +10,7 @@ it is positive for any small change but one through a singular configuration.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
@@ -23,7 +23,6 @@ from vehicledyn.analyses.simulation.partitions.rederived import values_of
 from vehicledyn.analyses.simulation.partitions.singularity_crossing import Sample
 from vehicledyn.analyses.simulation.run_plan import Point, RunPlan
 from vehicledyn.base.errors import NumericalError
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.integrate.accuracy.watched_run import DivergenceError
 from vehicledyn.integrate.course import Carried, Course, reading_history
 from vehicledyn.integrate.task import Statistics, joined

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyses.simulation.partitions.singularity_crossing import Sample
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.kernel.kernel import Kernel
 from vehicledyn.kernel.make_kernel import Backend, compile_kernel
 from vehicledyn.multibody.model.bodies import Joint

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,7 +16,6 @@ from vehicledyn.analyses.simulation.partitions.partitioned_run import Partitione
 from vehicledyn.analyses.simulation.partitions.projected_run import ProjectedRun, projected_plan
 from vehicledyn.analyses.simulation.run_plan import RunPlan
 from vehicledyn.analyses.simulation.sample_delivery import Delivery
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.integrate.accuracy.proposed_step import proposed_step
 from vehicledyn.integrate.accuracy.watch import AccuracyWatch
 from vehicledyn.integrate.accuracy.watched_run import Way

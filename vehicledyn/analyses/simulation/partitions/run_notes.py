@@ -6,7 +6,7 @@ the note of the method. Where the equations were derived is kept once for all la
 
 from __future__ import annotations
 
-from dataclasses import field
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,6 @@ from vehicledyn.analyses.simulation.partitions.partition_changes import Partitio
 from vehicledyn.analyses.simulation.partitions.rederived import Origin, names_at_origin
 from vehicledyn.analyses.simulation.partitions.singularity_crossing import Sample
 from vehicledyn.analyses.simulation.partitions.singularity_monitor import PivotLog
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.integrate.course import Beginning, Course, reading_history
 from vehicledyn.symbolic.equations import Equations
 

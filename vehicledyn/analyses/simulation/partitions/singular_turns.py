@@ -9,12 +9,11 @@ one over the cosine (sine) of the second, and rounding and errors of the steps w
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import field
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.units import shown
 from vehicledyn.multibody.model.bodies import Joint
 from vehicledyn.multibody.model.system import System

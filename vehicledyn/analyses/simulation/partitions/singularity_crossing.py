@@ -9,12 +9,12 @@ such that the singular instant falls into the widest gap between its stages.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import NumericalError
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.integrate.explicit_pairs.dop853 import (
     Start,
     Tolerances,

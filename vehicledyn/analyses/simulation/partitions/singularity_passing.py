@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from vehicledyn.analyses.simulation.partitions.dead_points import DeadPoints
 from vehicledyn.analyses.simulation.partitions.interruptions import Crossing
 from vehicledyn.analyses.simulation.partitions.partition_changes import (
@@ -9,7 +11,6 @@ from vehicledyn.analyses.simulation.partitions.partition_changes import (
     RestartPoint,
 )
 from vehicledyn.base.errors import NumericalError
-from vehicledyn.base.lazy_data import dataclass
 
 
 @dataclass

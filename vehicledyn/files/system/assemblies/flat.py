@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from vehicledyn.base.errors import unknown_name
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.problems import Place
 from vehicledyn.files.system.assemblies.instances import instance
 from vehicledyn.files.system.assemblies.mirror import image_name, mirror_image, with_group

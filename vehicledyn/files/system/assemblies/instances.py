@@ -7,12 +7,11 @@ with ``at`` or ``turns`` gets a body without mass on it, which carries the axes 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from vehicledyn.base.errors import unknown_name
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.problems import Place
 from vehicledyn.files.expressions.expressions import Expression, origin
 from vehicledyn.files.system.assemblies.read import Use, way_between

@@ -15,10 +15,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Any
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.problems import Place
 from vehicledyn.files.expressions.expressions import Expression, named
 from vehicledyn.files.expressions.fields import SystemSet, fact

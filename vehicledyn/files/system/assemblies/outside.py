@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.files.system.joints import Coordinate
 
 _CONSTRAINTS = ("cuts", "constraints")

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator
-from dataclasses import field
+from dataclasses import dataclass, field
 from pathlib import Path, PurePath
 from typing import Any
 
 from vehicledyn.base.errors import InputError, nearest_name
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.problems import Place, Problem, is_count
 from vehicledyn.files.expressions.algebra import ExpressionError
 from vehicledyn.files.expressions.expressions import read_expression

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.files.expressions.expressions import Expression, named
 from vehicledyn.files.expressions.fields import SystemSet, fact
 from vehicledyn.files.system.events import EventSet

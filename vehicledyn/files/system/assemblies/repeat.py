@@ -14,10 +14,9 @@ from __future__ import annotations
 import itertools
 import re
 from collections.abc import Iterator
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Any
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.problems import Place
 from vehicledyn.base.units import describe
 from vehicledyn.files.expressions.algebra import NUMBERS, ExpressionError

@@ -12,12 +12,12 @@ rates: linear vibrations are those of the matrices exactly.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.bodies.finite_elements.model import rigid_motions
 from vehicledyn.multibody.bodies.finite_elements.reduction import ComponentModes
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.bodies.finite_elements.model import FiniteElements, Sparse, rigid_motions
 
 Array = NDArray[np.float64]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.lazy_data import dataclass
 
 Array = NDArray[np.float64]
 Sparse = Any

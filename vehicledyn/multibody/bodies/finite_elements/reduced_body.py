@@ -8,6 +8,7 @@ are half the rotation vector of its node.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -15,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.bodies.finite_elements.integrals import InertiaIntegrals
 from vehicledyn.multibody.bodies.finite_elements.reduced_modes import ReducedModes
 from vehicledyn.multibody.model.deformation import (

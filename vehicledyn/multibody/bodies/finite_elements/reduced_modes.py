@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.bodies.finite_elements.geometric_stiffness import second_order
 from vehicledyn.multibody.bodies.finite_elements.integrals import (
     InertiaIntegrals,

@@ -14,12 +14,12 @@ orthogonal set.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.bodies.finite_elements.interfaces import (
     Interface,
     JoinedModel,

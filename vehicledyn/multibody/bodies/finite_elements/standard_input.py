@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator
-from dataclasses import field
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.files.limits import UnreadableFileError, read_regular
-from vehicledyn.base.lazy_data import dataclass
 
 Array = NDArray[np.float64]
 _LARGEST_FILE = 400_000_000

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar, Literal
 
@@ -18,7 +19,6 @@ import vehicledyn.cams.followers
 import vehicledyn.cams.laws
 import vehicledyn.cams.outlines  # noqa: F401
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.registry import register
 from vehicledyn.base.shapes import Anchor, Ball, Extrusion, Shape, Wheel
 from vehicledyn.cams.cam import Cam

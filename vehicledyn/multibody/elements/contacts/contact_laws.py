@@ -7,9 +7,9 @@ Friction acts along the sliding velocity v with μ N v / √(v² + v₀²), whic
 from __future__ import annotations
 
 from abc import abstractmethod
+from dataclasses import dataclass
 from typing import ClassVar
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.elements.contacts.sticking import Sticking, sticking_states
 from vehicledyn.multibody.elements.contacts.touch import (
     Placing,

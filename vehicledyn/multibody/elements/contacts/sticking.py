@@ -13,7 +13,8 @@ Armstrong, Altpeter, 2002, Single state elastoplastic friction models, IEEE TAC 
 
 from __future__ import annotations
 
-from vehicledyn.base.lazy_data import dataclass
+from dataclasses import dataclass
+
 from vehicledyn.multibody.elements.contacts.touch import Touch, sliding
 from vehicledyn.multibody.model.parts import Situation
 from vehicledyn.symbolic import ops

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Protocol
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.model.ground import GROUND
 from vehicledyn.multibody.model.kinematics import Kinematics
 from vehicledyn.multibody.model.parts import Wrench

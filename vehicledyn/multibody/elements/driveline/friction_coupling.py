@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.base.registry import register
 from vehicledyn.multibody.model.declaration import coordinate_name, function, number
 from vehicledyn.multibody.model.parts import BasePart, Loads, Output, Situation

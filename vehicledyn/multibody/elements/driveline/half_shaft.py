@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from vehicledyn.base.lazy_data import dataclass
+from dataclasses import dataclass
+
 from vehicledyn.base.registry import register
 from vehicledyn.multibody.model.declaration import body_name, number
 from vehicledyn.multibody.model.parts import BasePart, Loads, Output, Situation, Wrench

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.multibody.bodies.beam_shapes import quadrature
 from vehicledyn.multibody.model.declaration import ORIGIN, body_name, choice, vector
 from vehicledyn.multibody.model.kinematics import Kinematics

@@ -12,8 +12,8 @@ against the public program OpenTire.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.road.tyres.pacejka.coefficient_values import Coefficients
 from vehicledyn.road.tyres.pacejka.state import (
     EQUIVALENT_SLIP_FLOOR,

@@ -13,9 +13,9 @@ that agree with each other; the book itself was not at hand.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from functools import partial
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.road.tyres.pacejka.coefficient_values import Coefficients
 from vehicledyn.road.tyres.pacejka.formula_52 import PureCurve
 from vehicledyn.road.tyres.pacejka.state import (

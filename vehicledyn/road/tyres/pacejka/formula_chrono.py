@@ -14,8 +14,8 @@ Project Chrono, ChPac02Tire (2023); rules read from that public program, own for
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.road.tyres.pacejka.coefficient_values import Coefficients
 from vehicledyn.road.tyres.pacejka.formula_52 import other_moments
 from vehicledyn.road.tyres.pacejka.state import (

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import NamedTuple
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.road.tyres.pacejka.coefficient_values import Coefficients
 from vehicledyn.road.tyres.smooth import floored
 from vehicledyn.road.tyres.tyre import TyreInput

@@ -16,8 +16,8 @@ and checked by their limits; no public numbers were at hand.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
-from vehicledyn.base.lazy_data import dataclass
 from vehicledyn.road.tyres.pacejka.coefficient_values import Coefficients
 from vehicledyn.road.tyres.pacejka.state import Slip, State
 from vehicledyn.road.tyres.tyre import TyreInput
