@@ -51,6 +51,16 @@ class LoadedStudy:
     base: LoadedScenario
     design: Design
 
+    def subjects(self) -> Iterator[LoadedScenario]:
+        """Yield its scenario as it is, and with each choice of what is no quantity."""
+        yield self.base
+        for axis in self.design.axes:
+            for number in range(len(axis.choices)):
+                change = Change(axis.key, axis.value(number), axis.key)
+                loaded, _ = self.recipe.examine([change])
+                if loaded is not None:
+                    yield loaded
+
     @cached_property
     def digests(self) -> dict[str, str]:
         """Fingerprints of what decides the results: the study and the scenario with its files."""

@@ -1,11 +1,22 @@
 """A run whose driver loses the car: whole result, time and place, exit code 1."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 import vehicledyn
+from vehicledyn.analyses.sensitivity import motion
+from vehicledyn.analyses.sensitivity.mishaps import mishap
+from vehicledyn.analyses.simulation.lost_driver import PATH_ERROR
+from vehicledyn.base.errors import AccuracyWarning, NumericalError
 from vehicledyn.cli import main
 from vehicledyn.results.store.study_reader import open_study
+from vehicledyn.road.manoeuvres.lane_change_test import LOST
+from vehicledyn.road.standards.entries import entry
+from vehicledyn.studies.optimisation import problem
+from vehicledyn.studies.uncertainty import cases
+from vehicledyn.symbolic.equations import Channel
 
 TOO_FAST = """
 title: The small car is too fast for a bend
@@ -23,6 +34,20 @@ manoeuvre:
 duration: 4 s
 solver: {kind: rk4, step: 1 ms}
 output: {interval: 10 ms}
+"""
+
+RUN = """
+title: A pendulum swings
+model: double_pendulum
+duration: 0.1 s
+solver: {kind: rk4, step: 10 ms}
+output: {interval: 10 ms}
+"""
+SEARCH = """
+title: Its length
+scenarios: run.yaml
+variables: {length: {from: 0.5 m, to: 2 m}}
+minimise: {final(upper.angle): 1}
 """
 
 
@@ -63,3 +88,46 @@ output: {{interval: 20 ms, channels: [body.*], figures: {figures}}}
     with open_study(tmp_path / "study.h5") as file:
         assert file.counts()["driver_lost"] == 1
         assert ("lost_at_time" in file.figures) is (figures == "true")
+
+
+def followed(channel, values, ended_by=""):
+    """A study of one channel, and its motion of two seconds."""
+    e = SimpleNamespace(
+        channels=[Channel(channel, "m", "")],
+        events=[SimpleNamespace(name="body.overturned", outcome="overturned")],
+    )
+
+    def summarise(recording):
+        far = recording.channels[PATH_ERROR] > LOST
+        time = float(recording.time[np.argmax(far)])
+        return list(entry("lost_at_time", time, "s", "When")) if far.any() else []
+
+    subject = SimpleNamespace(summarise=summarise)
+    study = SimpleNamespace(prepared=SimpleNamespace(equations=e, subject=subject), channels=[0])
+    rows = np.array(values)[:, None]
+    return study, SimpleNamespace(times=np.arange(len(values)), values=rows, ended_by=ended_by)
+
+
+def test_a_followed_run_tells_how_it_lost_its_vehicle():
+    assert mishap(*followed(PATH_ERROR, [0.0, 4.9, 1.0])) == ""
+    assert mishap(*followed("body.x", [0.0, 9.0, 9.0])) == ""
+    assert mishap(*followed(PATH_ERROR, [0.0, 5.1, 9.0])).startswith("driver_lost: When: 1 s")
+    assert mishap(*followed("body.x", [0.0, 0.0], "body.overturned")).startswith("overturned")
+
+
+def test_studies_take_no_run_that_lost_its_vehicle_for_an_ordinary_one(monkeypatch, tmp_path):
+    """Samples of an uncertainty are told; a search does not take such a run, or begin with it."""
+    laws = {"length": {"kind": "normal", "mean": "1 m", "deviation": "5 mm"}}
+    for module in (cases, motion, problem):
+        monkeypatch.setattr(module, "mishap", lambda *_: "driver_lost: at 1 s")
+    asked = ["final(upper.angle)"]
+    found = vehicledyn.uncertainty(
+        "double_pendulum", asked, laws, method="monte_carlo", number=2, duration="0.1 s"
+    )
+    assert "2 of 2 runs lost the vehicle" in found.notes[-1]
+    with pytest.warns(AccuracyWarning, match="driver_lost: at 1 s"):
+        vehicledyn.sensitivity("double_pendulum", asked, ["length"], duration="0.1 s")
+    (tmp_path / "run.yaml").write_text(RUN)
+    (tmp_path / "study.yaml").write_text(SEARCH)
+    with pytest.raises(NumericalError, match="driver_lost: at 1 s"):
+        vehicledyn.optimise(tmp_path / "study.yaml")

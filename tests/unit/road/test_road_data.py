@@ -142,3 +142,40 @@ def test_a_check_tells_missing_heights_of_the_road_of_a_system(tmp_path):
     (tmp_path / "drive.yaml").write_text(changed)
     warning, _ = read_file(tmp_path / "drive.yaml", None)
     assert "1 of 217 height is missing" in warning
+    (alone,) = read_file(tmp_path / "car.yaml", None)
+    assert alone == warning
+
+
+STUDIES = {
+    "sweep": """
+scenario: smooth.yaml
+cases: {kind: grid, vary: {road: [{kind: flat}, {kind: opencrg, file: gap.crg}]}}
+output: {interval: 20 ms, channels: [body.*]}
+""",
+    "optimisation": """
+scenarios: gap.yaml
+variables: {body.mass: {from: 700 kg, to: 1200 kg}}
+minimise: {max(body.roll): 1}
+""",
+    "uncertainty": """
+scenario: gap.yaml
+of: [max(body.roll)]
+parameters: {body.mass: {kind: uniform, from: 700 kg, to: 1200 kg}}
+""",
+}
+
+
+@pytest.mark.parametrize("kind", STUDIES)
+def test_a_check_of_a_study_tells_missing_heights_and_paths_of_its_scenarios(
+    kind, tmp_path, monkeypatch
+):
+    monkeypatch.setattr("vehicledyn.studies.optimisation.file.check_figures", lambda *_: None)
+    monkeypatch.setattr("vehicledyn.studies.uncertainty.study.check_figures", lambda *_: None)
+    gapped(tmp_path)
+    (tmp_path / "gap.yaml").write_text(SCENARIO)
+    smooth = SCENARIO.replace("{kind: opencrg, file: gap.crg}", "{kind: flat}")
+    (tmp_path / "smooth.yaml").write_text(smooth)
+    (tmp_path / "study.yaml").write_text(f"title: Of a road with a gap{STUDIES[kind]}")
+    told = " ".join(read_file(tmp_path / "study.yaml", None))
+    assert told.count("1 of 217 height is missing") == 1
+    assert told.count("swings 0.61 m aside") == 1

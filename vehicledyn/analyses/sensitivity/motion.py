@@ -19,6 +19,7 @@ from vehicledyn.analyse.gradients.motion_slopes import MotionSlopes
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.analyses.sensitivity.confirmation import unconfirmed, unconfirmed_figure
 from vehicledyn.analyses.sensitivity.figure_names import check_names, is_figure_of_run
+from vehicledyn.analyses.sensitivity.mishaps import mishap, mishap_of
 from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
 from vehicledyn.analyses.sensitivity.names import Directions, Wanted, directions, wanted
 from vehicledyn.analyses.simulation.prepared_run import prepare_run
@@ -140,12 +141,14 @@ def _figure_back(
     unsure = unconfirmed_figure(study, chosen, kind, slope)
     about = e.channels[study.channels[0]]
     unit = unit_of(kind, about.unit)
-    trouble = found.figure.trouble
+    trouble, lost = found.figure.trouble, mishap_of(study)
     notes = [
         *study.notes,
         f"found by adjoints; {found.n_bytes / 1e6:.1f} MB of steps kept",
         *unsure,
     ]
+    if lost:
+        notes.append(f"warning: {lost}")
     if trouble:
         notes.append(f"warning: '{name}' has no derivative: {trouble}")
     return SensitivityTable(
@@ -196,7 +199,9 @@ def _table(
         f"other coordinates become dependent at {time:.6g} s; the derivatives follow"
         for time in motion.changes
     ]
-    if motion.ended_by:
+    if befell := mishap(study, motion):
+        notes.append(f"warning: {befell}")
+    elif motion.ended_by:
         notes.append(f"warning: event '{motion.ended_by}' ended the run at {motion.times[-1]:g} s")
     curves = [places[name] for name in asked.curves]
     for name, place in zip(asked.curves, curves, strict=True):

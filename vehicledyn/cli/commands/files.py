@@ -52,7 +52,8 @@ def read_file(path: Path, overrides: list[str] | None) -> list[str]:
 
 
 def _read_as(data: Any, path: Path, overrides: list[str]) -> list[str]:
-    """Read a file with what reads files of its kind, and return the warnings of a scenario."""
+    """Read a file as files of its kind are read, and return warnings of its roads and paths."""
+    from vehicledyn.analyses.simulation.cautions import cautions
     from vehicledyn.files.scenario import is_system_file, load_model, load_scenario
     from vehicledyn.studies import is_study
 
@@ -60,11 +61,12 @@ def _read_as(data: Any, path: Path, overrides: list[str]) -> list[str]:
         study = load(path, overrides)
         if check := getattr(study, "check_figures", None):
             check(lambda *_: None)
-    elif is_study(data):
+        return cautions(*study.subjects())
+    if is_study(data):
         from vehicledyn.studies import load_study
 
-        load_study(path, overrides)
-    elif _is_track(data):
+        return cautions(*load_study(path, overrides).subjects())
+    if _is_track(data):
         from vehicledyn.rail.track.kinds.file import read_track
 
         chosen = read_track(path)
@@ -77,10 +79,8 @@ def _read_as(data: Any, path: Path, overrides: list[str]) -> list[str]:
 
         read_cam(path)
     elif is_system_file(path):
-        load_model(str(path), overrides)
+        return cautions(load_model(str(path), overrides))
     else:
-        from vehicledyn.analyses.simulation.cautions import cautions
-
         loaded = load_scenario(path, overrides)
         if loaded.asks_for_outputs:
             from vehicledyn.analyses.simulation.wanted_outputs import validate_outputs
@@ -90,7 +90,7 @@ def _read_as(data: Any, path: Path, overrides: list[str]) -> list[str]:
     return []
 
 
-def _parameter_study(data: Any) -> Callable[[Path, list[str]], object] | None:
+def _parameter_study(data: Any) -> Callable[[Path, list[str]], Any] | None:
     """Return what reads a study of parameters, by the key that only its kind has."""
     keys = set(data) if isinstance(data, dict) else set()
     if "model" in keys and "controls" not in keys:

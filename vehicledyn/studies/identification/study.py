@@ -43,6 +43,10 @@ class IdentificationStudy:
     notes: list[str]
     texts: list[str]
 
+    def subjects(self) -> list[LoadedScenario]:
+        """Return the scenarios of its experiments."""
+        return [experiment.loaded for experiment in self.experiments]
+
 
 def run_identification_study(
     path: Path,

@@ -66,6 +66,10 @@ class ManoeuvreStudy:
     most_iterations: int
     step: float | None
 
+    def subjects(self) -> list[Target]:
+        """Return its model or scenario."""
+        return [self.target]
+
 
 def load_manoeuvre(path: Path, overrides: Sequence[str] = ()) -> ManoeuvreStudy:
     """Read and validate a study of an optimal manoeuvre.

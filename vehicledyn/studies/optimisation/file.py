@@ -100,6 +100,12 @@ class OptimisationStudy:
     deviations: float = 3.0
     choices: tuple[tuple[str, dict[str, LoadedScenario]], ...] = ()
 
+    def subjects(self) -> Iterator[LoadedScenario]:
+        """Yield its scenarios, those of its choices too."""
+        yield from self.scenarios.values()
+        for _, scenarios in self.choices:
+            yield from scenarios.values()
+
     @property
     def all_figures(self) -> list[str]:
         """Names of all figures that the study needs."""

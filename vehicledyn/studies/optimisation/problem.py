@@ -16,6 +16,7 @@ from vehicledyn.analyse.optimise import Values
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.analyses.sensitivity.confirmation import unconfirmed
 from vehicledyn.analyses.sensitivity.figure_names import check_figures
+from vehicledyn.analyses.sensitivity.mishaps import mishap
 from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
 from vehicledyn.analyses.sensitivity.names import Wanted, directions, wanted
 from vehicledyn.base.errors import InputError, NumericalError, nearest_name
@@ -297,6 +298,8 @@ class Problem:
                 motion = study.plain(_silent)
         except NumericalError as error:
             return {"failure": f"{part.study.loaded.title}: {error}"}
+        if lost := mishap(study, motion):
+            return {"failure": f"{part.study.loaded.title}: {lost}"}
         found = list(zip(part.names, study.figures(part.asked, motion), strict=True))
         for name, (slope, _) in found:
             if slope.trouble and follows:

@@ -14,6 +14,7 @@ from vehicledyn.analyse.gradients.key_figures import unit_of
 from vehicledyn.analyse.uncertainty import Distribution, Spread
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.analyses.sensitivity.figure_names import check_figures
+from vehicledyn.analyses.sensitivity.mishaps import mishap
 from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
 from vehicledyn.analyses.sensitivity.names import Wanted, directions, named_channels, wanted
 from vehicledyn.base.errors import InputError, NumericalError, nearest_name
@@ -54,6 +55,7 @@ class Cases:
     known: list[Floats] = field(default_factory=list)
     points: list[Floats] = field(default_factory=list)
     asked_for: set[tuple[Any, ...]] = field(default_factory=set)
+    lost: dict[tuple[Any, ...], str] = field(default_factory=dict)
     quantities: tuple[Quantity, ...] = ()
     limits: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
@@ -175,22 +177,25 @@ class Cases:
         if "failure" in entry:
             raise NumericalError(str(entry["failure"]))
         self.quantities = tuple(Quantity(*item) for item in entry["figures"])
+        if entry.get("lost"):
+            self.lost[tuple(key)] = entry["lost"]
         return entry
 
     def _run(self, point: Floats, *, follows: bool) -> dict[str, Any]:
         """Return the figures at a point with their slopes if wanted, or why there are none."""
         changes = dict(zip(self.names, map(float, point), strict=True))
+        values = ", ".join(f"{name} = {value:.6g}" for name, value in changes.items())
         try:
             study = self.study.moved(changes)
             if follows:
                 e, kernel = study.prepared.equations, study.prepared.kernel
                 chosen = directions(e, kernel.parameters, study.start.state, self.names)
-                pairs = study.figures(self.asked, study.followed(chosen, self.progress))
+                motion = study.followed(chosen, self.progress)
             else:
-                pairs = study.figures(self.asked, study.plain(self.progress))
+                motion = study.plain(self.progress)
         except NumericalError as error:
-            values = ", ".join(f"{name} = {value:.6g}" for name, value in changes.items())
             return {"failure": f"the run with {values} failed: {error}"}
+        pairs, lost = study.figures(self.asked, motion), mishap(study, motion)
         for slope, item in pairs:
             if follows and slope.trouble:
                 return {"failure": f"'{item.name}' has no derivative: {slope.trouble}"}
@@ -200,7 +205,18 @@ class Cases:
             "figures": [(q.name, q.unit, q.description) for _, q in pairs],
             "values": [slope.value for slope, _ in pairs],
         }
+        found |= {"lost": f"with {values}: {lost}"} if lost else {}
         return found | ({"slopes": [s.slope.tolist() for s, _ in pairs]} if follows else {})
+
+    def _mishaps(self) -> list[str]:
+        """Return a warning of runs that lost their vehicle, the first of which it describes."""
+        if not self.lost:
+            return []
+        first = next(iter(self.lost.values()))
+        return [
+            f"warning: {len(self.lost)} of {len(self.asked_for)} runs lost the vehicle, and their "
+            f"figures count as those of the others do; the first {first}"
+        ]
 
     def report(
         self,
@@ -224,7 +240,7 @@ class Cases:
             totals,
             len(self.asked_for),
             list(risks),
-            tuple(self.study.notes),
+            (*self.study.notes, *self._mishaps()),
             None if figures is None else np.array(self.points),
             figures,
         )

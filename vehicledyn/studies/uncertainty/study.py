@@ -43,6 +43,10 @@ class UncertaintyStudy:
     texts: tuple[str, ...]
     form: StudyForm
 
+    def subjects(self) -> list[LoadedScenario]:
+        """Return its scenario."""
+        return [self.loaded]
+
     def check_figures(self, progress: Progress) -> None:
         """Refuse figures that the run has not; a run that fails is left to the study to report.
 

@@ -1,0 +1,44 @@
+"""What befell the vehicle in a followed run, so that its figures are none of the manoeuvre."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from vehicledyn.analyses.simulation.lost_driver import PATH_ERROR, lost_driver
+from vehicledyn.analyses.simulation.wanted_outputs import needed_channels
+from vehicledyn.road.manoeuvres.channel_recorder import Recording
+
+if TYPE_CHECKING:
+    from vehicledyn.analyse.gradients.motion_slopes import MotionSlopes
+    from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
+
+
+def mishap(study: MotionStudy, motion: MotionSlopes) -> str:
+    """Return how a run lost its vehicle, with time and place; empty if it did not.
+
+    It overturned, derailed or lifted off, or its driver came too far from the path. An event that
+    ends a run well is none.
+    """
+    e = study.prepared.equations
+    outcome = {event.name: event.outcome for event in e.events}.get(motion.ended_by, "ok")
+    if outcome != "ok":
+        return f"{outcome}: event '{motion.ended_by}' ended the run at {motion.times[-1]:g} s"
+    channels = [e.channels[k] for k in study.channels]
+    if PATH_ERROR not in [channel.name for channel in channels]:
+        return ""
+    recording = Recording(
+        motion.times,
+        {channel.name: row for channel, row in zip(channels, motion.values.T, strict=True)},
+        {channel.name: channel.unit for channel in channels},
+    )
+    return lost_driver(study.prepared.subject.summarise(recording))
+
+
+def mishap_of(study: MotionStudy) -> str:
+    """Return the same of the run itself, for a study that follows few channels."""
+    prepared = study.prepared
+    if PATH_ERROR not in [channel.name for channel in prepared.equations.channels]:
+        return ""
+    whole = replace(study, channels=needed_channels(prepared))
+    return mishap(whole, whole.plain(lambda *_: None))
