@@ -221,8 +221,8 @@ class SampleBuffer:
         """Number of the sample to come."""
         return self._task.delivered + self._count
 
-    def add(self, state: Vector, guess: Vector) -> None:
-        """Enter the next sample: solve its unknowns from a guess and find its outputs.
+    def add(self, state: Vector, guess: Vector, outputs: Vector | None = None) -> None:
+        """Enter the next sample: solve its unknowns from a guess, find outputs that are not given.
 
         Raises
         ------
@@ -233,7 +233,9 @@ class SampleBuffer:
         moment = task.time(self.next_index)
         unknowns = task.kernel.count_solve(moment, state, guess, task.ledger)
         rows.states[self._count], rows.unknowns[self._count] = state, unknowns
-        rows.outputs[self._count] = task.kernel.outputs(moment, state, unknowns)
+        if outputs is None:
+            outputs = task.kernel.outputs(moment, state, unknowns)
+        rows.outputs[self._count] = outputs
         self._count += 1
         if self._count == len(rows.states) or time.perf_counter() > self._flushed + 0.1:
             self.flush()

@@ -10,6 +10,7 @@ the expressions grow with the number of bodies alone.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -25,7 +26,9 @@ class ConstrainedEquations:
     (m, 1). ``gap`` are the constraints (m, 1), ``opening`` their rates and ``quadratic`` is γ.
     ``jacobian`` is J by the speeds, shape (m, n). ``labels`` name the rows. ``positions``,
     ``velocities`` and ``others`` are the places of q, q̇ and s in the state of the equations that
-    these belong to.
+    these belong to. ``output`` derives their channels from the symbols above, a column: those of a
+    state off the constraints with any accelerations and multipliers; None where there are no
+    constraints, so that the channels of the equations are the same.
     """
 
     time: Expression
@@ -45,3 +48,4 @@ class ConstrainedEquations:
     positions: tuple[int, ...]
     velocities: tuple[int, ...]
     others: tuple[int, ...]
+    output: Callable[[], Expression] | None = None

@@ -168,9 +168,10 @@ def kernel():
     return compile_kernel(pendulum(), backend="interpreted")
 
 
-def march(kernel, weights, step, count, constraints="index3"):
+def march(kernel, weights, step, count, constraints="index3", state=None):
     """Yield the steps and the places from the first on."""
-    state, unknowns = starts(kernel.equations)
+    usual, unknowns = starts(kernel.equations)
+    state = usual if state is None else state
     span = {"start": 0.0, "stop": step * count, "interval": step}
     task = make_task(kernel, state=state, unknowns=unknowns, sink=Samples(), **span)
     steps = ConstrainedSteps(task, weights, constraints)
@@ -188,6 +189,33 @@ def test_published_steps(kernel, row):
     found = [*last.instant.position, *last.instant.velocity]
     assert found == pytest.approx(state, abs=1e-10)
     assert last.instant.multiplier == pytest.approx([multiplier], abs=1e-6)
+
+
+@pytest.mark.parametrize("constraints", ["index3", "stabilised_index2"])
+@pytest.mark.parametrize("weights", [Weights.newmark(0.25, 0.5), Weights.generalised_alpha(0.6)])
+def test_order_two_from_a_start_in_motion_on(kernel, weights, constraints):
+    """The largest errors of all steps; from velocities on the constraints they are of order 0 or 1.
+
+    The start has an opening speed, which is taken away.
+    """
+    stop, fastest, errors = 0.5, 3.0, []
+    exact = solve_ivp(
+        lambda t, y: [y[1], -GRAVITY * math.cos(y[0])], (0.0, stop), [0.0, -fastest],
+        rtol=1e-12, atol=1e-12, method="DOP853", dense_output=True,
+    ).sol  # fmt: skip
+    for count in (100, 200):
+        rows = march(kernel, weights, stop / count, count, constraints, [1.0, 0.0, 0.1, -fastest])
+        row = []
+        for _, place in rows:
+            angle, rate = exact(place.instant.time)
+            x, y = math.cos(angle), math.sin(angle)
+            pairs = [
+                (place.instant.velocity, [-y * rate, x * rate]),
+                (place.instant.multiplier, [rate**2 - GRAVITY * y]),
+            ]
+            row.append([np.abs(a - np.array(b)).max() for a, b in pairs])
+        errors.append(np.max(row, axis=0))
+    assert np.log2(np.divide(*errors)) == pytest.approx(2.0, abs=0.05)
 
 
 @pytest.mark.parametrize("step", [0.02, 0.005, 1e-6])
@@ -225,6 +253,14 @@ def task_of(kernel, angle, rate):
     state = four_bar_state(kernel.equations, angle, rate)
     span = {"start": 0.0, "stop": 1.0, "interval": 0.5}
     return make_task(kernel, state=state, unknowns=[], sink=Samples(), **span)
+
+
+def test_channels_of_steps_are_those_of_the_equations_on_the_constraints(four_bar):
+    task = task_of(four_bar, 1.2, 3.0)
+    steps = ConstrainedSteps(task, Weights.hht(0.8), "index3")
+    place = steps.start(Point(0.0, task.state, task.unknowns))
+    expected = four_bar.outputs(0.0, task.state, task.unknowns)
+    assert steps.outputs(place) == pytest.approx(expected, rel=1e-10, abs=1e-10)
 
 
 @pytest.mark.parametrize("constraints", ["index3", "stabilised_index2"])

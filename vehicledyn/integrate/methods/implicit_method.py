@@ -10,8 +10,9 @@ from vehicledyn.integrate.methods.tolerances import (
     how_constraints_are_met,
     local_tolerance,
     required_step,
+    shown_velocities,
 )
-from vehicledyn.integrate.newmark.weights import Constraints
+from vehicledyn.integrate.newmark.weights import Constraints, Velocities
 
 if TYPE_CHECKING:
     from vehicledyn.integrate.newmark.weights import Weights
@@ -25,6 +26,7 @@ class ImplicitMethod(ParameterSet):
     step: float = required_step()
     tolerance: float | None = local_tolerance()
     constraints: Constraints = how_constraints_are_met()
+    velocities: Velocities = shown_velocities()
 
     @property
     @abstractmethod

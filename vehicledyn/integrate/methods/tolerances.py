@@ -48,6 +48,16 @@ def how_constraints_are_met() -> Any:
     return Field(default="reduced", description=text)
 
 
+def shown_velocities() -> Any:
+    """Declare which velocities and multipliers steps with multipliers show."""
+    text = (
+        "What results show with 'index3' or 'stabilised_index2': the method's 'own' velocities, "
+        "accelerations and multipliers, or those of the nearest motion on the constraints, "
+        "'projected'"
+    )
+    return Field(default="own", description=text)
+
+
 def local_tolerance() -> Any:
     """Declare the local error that shortens the steps of an implicit method."""
     text = (

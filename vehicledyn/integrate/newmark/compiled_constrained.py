@@ -6,6 +6,7 @@ Residuals are compiled; Jacobians and sparse factors, which serve many steps, ar
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -14,19 +15,17 @@ from vehicledyn.codegen.ir.table_rows import TableRows
 from vehicledyn.integrate.course import Carried
 from vehicledyn.integrate.events import Point
 from vehicledyn.integrate.newmark.compiled_steps import CompiledLoop, StateLayout
-from vehicledyn.integrate.newmark.constrained_steps import (
-    ConstrainedPlace,
-    ConstrainedSteps,
-    residual_functions,
-)
+from vehicledyn.integrate.newmark.constrained_place import ConstrainedPlace
+from vehicledyn.integrate.newmark.constrained_steps import ConstrainedSteps, residual_functions
 from vehicledyn.integrate.newmark.iteration_matrix import StepFactors
 from vehicledyn.integrate.newmark.residual_functions import Instant
-from vehicledyn.integrate.newmark.weights import Constraints, Weights
+from vehicledyn.integrate.newmark.weights import Weights
 from vehicledyn.integrate.task import Task
 from vehicledyn.kernel.compiled import CompiledEngine
 from vehicledyn.kernel.engine import Vector
 from vehicledyn.kernel.newmark.newmark_code import FRESH_JACOBIAN, NewmarkCode, PlaceRecord
 from vehicledyn.kernel.point_source import Wanted, compiled
+from vehicledyn.symbolic.constrained_equations import ConstrainedEquations
 
 
 class CompiledConstrainedSteps(CompiledLoop[ConstrainedPlace]):
@@ -44,12 +43,12 @@ class CompiledConstrainedSteps(CompiledLoop[ConstrainedPlace]):
         engine: CompiledEngine,
         weights: Weights,
         code: NewmarkCode,
-        constraints: Constraints,
+        steps: ConstrainedSteps,
     ) -> None:
-        """Lay out a run of the task, whose kernel has this engine."""
-        self._steps = ConstrainedSteps(task, weights, constraints)
+        """Lay out a run of the task, whose kernel has this engine, with the compiled like."""
+        self._steps = steps
         self._functions = residual_functions(task.kernel)
-        self._is_stabilised = constraints == "stabilised_index2"
+        self._is_stabilised = steps.is_stabilised
         super().__init__(task, engine, weights, code)
         _, k, m = self._functions.sizes
         own = self.record.constrained
@@ -59,7 +58,9 @@ class CompiledConstrainedSteps(CompiledLoop[ConstrainedPlace]):
             weights.first_order_gamma,
         )
         self._tables = TableRows(task.kernel.equations.tables)
+        own.close_states, own.close_forces = steps.close, steps.close_forces
         own.residual = _compiled_residual(task)
+        own.output = _compiled_output(task) if steps.shows_own else None
         self._give(given=self._tables.after(np.asarray(task.kernel.parameters, dtype=float)))
 
     @property
@@ -98,8 +99,9 @@ class CompiledConstrainedSteps(CompiledLoop[ConstrainedPlace]):
         arrays["at.forces"][:m] = place.instant.multiplier
         arrays["at.forces"][m:] = place.correction if self._is_stabilised else 0.0
         arrays["at.change"][:] = 0.0
-        if place.change is not None:
-            arrays["at.change"][: len(place.change)] = place.change
+        change = place.bend if place.change is None else place.change
+        if change is not None:
+            arrays["at.change"][: len(change)] = change
 
     def find_jacobian(self) -> None:
         """Find the factors for the step that is wanted, and a Jacobian where it is stale."""
@@ -157,21 +159,42 @@ class CompiledConstrainedSteps(CompiledLoop[ConstrainedPlace]):
             forces[m:] if self._is_stabilised else forces[:0],
             at.size[0],
             change[:n] if at.size[0] else None,
+            None if at.size[0] else change[:n],
         )
 
 
 def _compiled_residual(task: Task) -> int:
-    """Return the address of the residuals at points, compiled once for all parameter sets."""
+    """Return the address of the residuals at points."""
+
+    def parts(e: ConstrainedEquations) -> tuple[Any, ...]:
+        return e.force, e.gap, e.opening, e.other_rate
+
+    return _compiled(task, "residuals", parts)
+
+
+def _compiled_output(task: Task) -> int:
+    """Return the address of the channels at points."""
+
+    def parts(e: ConstrainedEquations) -> tuple[Any, ...]:
+        return () if e.output is None else (e.output(),)
+
+    return _compiled(task, "channels of steps", parts)
+
+
+def _compiled(
+    task: Task, name: str, parts: Callable[[ConstrainedEquations], tuple[Any, ...]]
+) -> int:
+    """Return the address of functions of points, compiled once for all parameter sets."""
     import casadi
 
     made = task.kernel.made
-    if "compiled residuals" not in made:
+    if f"compiled {name}" not in made:
         e = residual_functions(task.kernel).equations
         columns = (e.time, e.position, e.velocity, e.acceleration, e.multiplier, e.other)
-        parts = (casadi.densify(x) for x in (e.force, e.gap, e.opening, e.other_rate))
-        values, point = casadi.vertcat(*parts), casadi.vertcat(*columns)
+        values = casadi.vertcat(*(casadi.densify(x) for x in parts(e)))
+        point = casadi.vertcat(*columns)
         wanted = Wanted(values, point, e.parameter, task.kernel.equations.tables, None, False)
-        task.progress("compiling the residuals", None)
-        made["compiled residuals"] = compiled(wanted, 1)
-    address = ctypes.cast(made["compiled residuals"].vd_points, ctypes.c_void_p).value
+        task.progress(f"compiling the {name}", None)
+        made[f"compiled {name}"] = compiled(wanted, 1)
+    address = ctypes.cast(made[f"compiled {name}"].vd_points, ctypes.c_void_p).value
     return int(address or 0)

@@ -88,6 +88,10 @@ class CompiledLoop(ABC, Generic[P]):
     def error(self, before: P, after: P) -> float:
         """Return the largest local error of a step about; the compiled loop finds its own."""
 
+    def outputs(self, place: P) -> Vector | None:
+        """Return nothing: the compiled loop finds the channels of its samples."""
+        return None
+
     @abstractmethod
     def find_jacobian(self) -> None:
         """Find the Jacobian, and factors where the compiled code has none of its own."""

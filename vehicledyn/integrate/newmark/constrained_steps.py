@@ -10,9 +10,14 @@ Leimkuhler). The unknowns are a₁, λ₁ and η₁; gaps are divided by β Δt�
 the iteration matrix keeps its condition as Δt → 0. W, the inverse of the diagonal of the masses,
 makes η free of units.
 
+Where a motion starts at v, the steps begin with v₀ = v + Δt² C b, C = 1/6 - (αm - αf)/2 - β, and
+a₀ = v̇ + Δt (αm - αf) b, b being the third derivative of q that the constraints demand: steps of
+index 3 keep such velocities, and others swing about them. So velocities and multipliers are of
+order two from the first step on. Stabilised steps begin with v.
+
 Arnold, Brüls (2007), Multibody System Dynamics 18, 185-202; Bottasso, Bauchau, Cardona (2007),
 SIAM Journal on Scientific Computing 29, 397-414 (scaling); Arnold, Brüls, Cardona (2015),
-Numerische Mathematik 129, 149-179 (stabilised index 2).
+Numerische Mathematik 129, 149-179 (starts, stabilised index 2).
 """
 
 from __future__ import annotations
@@ -26,13 +31,19 @@ import numpy as np
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.integrate.course import Carried
 from vehicledyn.integrate.events import Point
+from vehicledyn.integrate.newmark.constrained_place import (
+    ConstrainedPlace,
+    resumed_place,
+    slope_of_lift,
+)
 from vehicledyn.integrate.newmark.iteration_matrix import IterationMatrix, StepFactors, Unknowns
 from vehicledyn.integrate.newmark.residual_functions import (
     Instant,
+    Partials,
     ResidualFunctions,
     Residuals,
 )
-from vehicledyn.integrate.newmark.weights import Constraints, Weights
+from vehicledyn.integrate.newmark.weights import Constraints, Velocities, Weights
 from vehicledyn.integrate.task import Task
 from vehicledyn.kernel.engine import Count, Vector
 from vehicledyn.kernel.kernel import Kernel
@@ -43,32 +54,17 @@ _CLOSE, _COARSEST = 1e-14, 1e-6
 a part of the local error of positions, within these bounds."""
 _CLOSE_FORCES = 1e-9
 """Error of Newton's iteration allowed in the multipliers, as a part of the largest."""
+_FEW, _CLOSEST, _CLOSEST_FORCES = 12, 1e-16, 1e-13
+"""States up to which both are solved to rounding, which costs little there, and what is allowed."""
 _LEVER = 1e-2
 """Weight of the relative error of the multipliers beside that of the states."""
 _SLOW = 0.3
 """Contraction above which the Jacobian is found anew at the next step."""
 _ROUNDING = 1e-8
-"""Change that is taken for rounding where it no longer falls."""
+"""Change that is taken for rounding where it no longer falls; with a Jacobian of an earlier step it
+may fall slowly above the rounding of gaps, so it is found anew."""
 _COARSE = 1e-3
 """Rounding of multipliers, as a part of the largest; it grows by 1 / (β Δt²) and at dead points."""
-
-
-@dataclass(frozen=True)
-class ConstrainedPlace:
-    """A point of a motion, with what the step to come needs of it.
-
-    ``auxiliary`` are the acceleration-like a and its like for further states, ``other_rate`` the
-    true rates of these. ``correction`` is η, ``size`` the step that led here [s], and ``change``
-    what it added to a, None where the motion starts.
-    """
-
-    point: Point
-    instant: Instant
-    auxiliary: tuple[Vector, Vector]
-    other_rate: Vector
-    correction: Vector
-    size: float
-    change: Vector | None = None
 
 
 @dataclass(frozen=True)
@@ -92,7 +88,13 @@ class ConstrainedSteps:
     constrained.c holds the same algorithm; change both together.
     """
 
-    def __init__(self, task: Task, weights: Weights, constraints: Constraints) -> None:
+    def __init__(
+        self,
+        task: Task,
+        weights: Weights,
+        constraints: Constraints,
+        velocities: Velocities = "own",
+    ) -> None:
         """Take the residuals of the task's equations.
 
         Raises
@@ -102,8 +104,13 @@ class ConstrainedSteps:
         """
         self._task, self._weights = task, weights
         self._functions = residual_functions(task.kernel)
-        self._is_stabilised = constraints == "stabilised_index2"
-        self._matrix = IterationMatrix(self._functions.sizes, self._is_stabilised)
+        self.is_stabilised = constraints == "stabilised_index2"
+        self.shows_own = velocities == "own" and self._functions.shows_own
+        is_small = len(task.kernel.equations.states) <= _FEW
+        self.close, self.close_forces = (
+            (_CLOSEST, _CLOSEST_FORCES) if is_small else (_CLOSE, _CLOSE_FORCES)
+        )
+        self._matrix = IterationMatrix(self._functions.sizes, self.is_stabilised)
         self._factors: StepFactors | None = None
         self._is_stale = True
 
@@ -119,58 +126,66 @@ class ConstrainedSteps:
     def start(self, point: Point) -> ConstrainedPlace:
         """Return the place from which the motion starts, or starts anew.
 
-        Accelerations and multipliers are those of the constrained motion there.
+        Velocities are put onto the constraints; accelerations and multipliers are those of the
+        constrained motion there.
         """
         n, _, m = self._functions.sizes
         e = self._functions.equations
-        state = point.state
+        state = point.state.copy()
         q, v, s = (state[list(k)] for k in (e.positions, e.velocities, e.others))
         still = Instant(point.time, q, v, np.zeros(n), np.zeros(m), s)
         at = self._evaluated(still)
         partials = self._functions.partials(still, self._parameters)
-        quadratic = self._functions.quadratic(still, self._parameters)
-        a, multiplier = self._matrix.accelerations(partials, at.force, quadratic)
+        if m:
+            v = v + self._matrix.accelerations(partials, np.zeros(n), at.opening)[0]
+            state[list(e.velocities)], still = v, still._replace(velocity=v)
+            at = self._evaluated(still)
+        lift = self._functions.lift(still, self._parameters)
+        a, multiplier = self._matrix.accelerations(partials, at.force, lift)
         self._is_stale = True
         instant = still._replace(acceleration=a, multiplier=multiplier)
-        kept = Point(point.time, state.copy(), point.unknowns.copy())
+        kept = Point(point.time, state, point.unknowns.copy())
         auxiliary = a, at.other_rate
-        correction = np.zeros(m if self._is_stabilised else 0)
-        return ConstrainedPlace(kept, instant, auxiliary, at.other_rate, correction, 0.0)
+        bend = self._bend(instant, partials) if m else None
+        correction = np.zeros(m if self.is_stabilised else 0)
+        return ConstrainedPlace(kept, instant, auxiliary, at.other_rate, correction, 0.0, bend=bend)
+
+    def _bend(self, at: Instant, partials: Partials) -> Vector:
+        """Return the third derivative of the coordinates that the constraints demand."""
+        slope = slope_of_lift(self._functions, at, self._parameters)
+        return self._matrix.accelerations(partials, np.zeros_like(at.position), slope)[0]
 
     def resumed(self, point: Point, numbers: Vector) -> ConstrainedPlace:
         """Return the place from which steps go on that end a piece of a run with these numbers."""
-        n, k, m = self._functions.sizes
-        e, state = self._functions.equations, point.state
-        q, v, s = (state[list(part)] for part in (e.positions, e.velocities, e.others))
-        ends = np.cumsum([1, n, m, n, k, k, m if self._is_stabilised else 0])
-        size, lift, forces, a, r, rate, eta, change = np.split(numbers, ends)
-        instant = Instant(point.time, q, v, lift, forces, s)
-        kept = Point(point.time, state.copy(), point.unknowns.copy())
-        return ConstrainedPlace(kept, instant, (a, r), rate, eta, float(size[0]), change)
+        return resumed_place(self._functions, point, numbers, is_stabilised=self.is_stabilised)
 
     def carried(self, place: ConstrainedPlace) -> Carried:
         """Return what a run goes on with behind a place; nothing where the motion starts anew."""
-        if place.change is None:
-            return Carried(holds_constraints=True)
-        at, (a, r) = place.instant, place.auxiliary
-        parts = at.acceleration, at.multiplier, a, r, place.other_rate, place.correction
-        return Carried(np.concatenate([[place.size], *parts, place.change]), True)
+        return Carried(place.numbers, holds_constraints=True)
 
     def step(self, place: ConstrainedPlace, end: float) -> ConstrainedPlace | None:
         """Return the end of a step, or None where Newton's method does not converge."""
         was_stale = self._is_stale or self._factors is None
-        found = self._iterate(place, end)
+        found = self._iterate(place, end, is_fresh=was_stale)
         if found is None and not was_stale:
             self._is_stale = True
-            found = self._iterate(place, end)
+            found = self._iterate(place, end, is_fresh=True)
         return found
 
-    def _iterate(self, place: ConstrainedPlace, end: float) -> ConstrainedPlace | None:
+    def outputs(self, place: ConstrainedPlace) -> Vector | None:
+        """Return the channels of a place as the steps have it, None where they are the usual."""
+        if not self.shows_own:
+            return None
+        return self._functions.outputs(place.instant, self._parameters)
+
+    def _iterate(
+        self, place: ConstrainedPlace, end: float, *, is_fresh: bool
+    ) -> ConstrainedPlace | None:
         factors = self._prepared(place, end - place.instant.time)
         known = self._known(place, end, factors.arms)
         a, r = self._guessed(place, known), known.old[1]
         multiplier, eta = place.instant.multiplier.copy(), place.correction.copy()
-        before = np.inf
+        before, w = np.inf, self._weights
         for iteration in range(_MOST_ITERATIONS):
             instant = self._instant(known, a, r, multiplier, eta)
             try:
@@ -190,9 +205,12 @@ class ConstrainedSteps:
             if contraction > _SLOW and not is_rounding:
                 self._is_stale = True
             left = contraction / max(1.0 - contraction, 1e-3)
-            allowed = _CLOSE if len(multiplier) else self._allowed(known, a, instant)
-            settled = iteration and moved * left < allowed and forced * left < _CLOSE_FORCES
-            if settled or size == 0.0 or (contraction > 0.5 and is_rounding):
+            allowed = self.close if len(multiplier) else self._allowed(known, a, instant)
+            settled = iteration and moved * left < allowed and forced * left < self.close_forces
+            stays = contraction > 0.5 and is_rounding
+            if stays and not is_fresh and moved > _CLOSE * (1.0 + w.gamma / (w.beta * known.size)):
+                return None
+            if settled or stays or size == 0.0:
                 return self._accepted(known, Unknowns(a, r, multiplier, eta), place)
             if contraction > 0.9 and iteration > 1:
                 return None
@@ -225,12 +243,16 @@ class ConstrainedSteps:
         w, at = self._weights, place.instant
         h = end - at.time
         a, r = self._carried(place, h)
+        v = at.velocity
+        if place.bend is not None:
+            a = a + h * w.shift * place.bend
+            v = v if self.is_stabilised else v + w.error_of_positions(h, place.bend)
         mass = w.first_order_mass
         return _Known(
             end,
             h,
-            at.position + h * (at.velocity + h * (0.5 - w.beta) * a),
-            at.velocity + h * (1.0 - w.gamma) * a,
+            at.position + h * (v + h * (0.5 - w.beta) * a),
+            v + h * (1.0 - w.gamma) * a,
             (w.alpha_m * a - w.alpha_f * at.acceleration) / (1.0 - w.alpha_f),
             at.other + h * (1.0 - w.first_order_gamma) * r,
             (1.0 - mass) * r - w.alpha_f * place.other_rate,
@@ -264,7 +286,7 @@ class ConstrainedSteps:
             return 0.0
         w, h, at = self._weights, after.size, after.instant
         pairs = [(w.error_of_positions(h, after.change), at.position)]
-        if self._is_stabilised:
+        if self.is_stabilised:
             bend = w.error_of_rates(h, after.change, before.size, before.change)
             pairs.append((bend, at.velocity))
         return float(max(np.abs(e / (1.0 + np.abs(x))).max(initial=0.0) for e, x in pairs))
@@ -290,7 +312,7 @@ class ConstrainedSteps:
         w, h = self._weights, known.size
         lag = w.first_order_mass * r + known.lag - (1.0 - w.alpha_f) * at.other_rate
         parts = [at.force, lag, at.gap / (w.beta * h**2)]
-        if self._is_stabilised:
+        if self.is_stabilised:
             parts.append(at.opening / (w.gamma * h))
         return np.concatenate(parts)
 

@@ -25,7 +25,7 @@ from vehicledyn.integrate.newmark.compiled_constrained import CompiledConstraine
 from vehicledyn.integrate.newmark.compiled_steps import CompiledLoop, CompiledSteps
 from vehicledyn.integrate.newmark.constrained_steps import ConstrainedSteps
 from vehicledyn.integrate.newmark.reduced_steps import ReducedSteps
-from vehicledyn.integrate.newmark.weights import SHORTEST, Constraints, Weights
+from vehicledyn.integrate.newmark.weights import SHORTEST, Constraints, Velocities, Weights
 from vehicledyn.integrate.task import SampleBuffer, Statistics, StepError, Task
 from vehicledyn.kernel.compiled import CompiledEngine
 from vehicledyn.kernel.engine import Count, Status, Vector
@@ -66,6 +66,8 @@ class _Steps(Protocol[P]):
 
     def error(self, before: P, after: P) -> float: ...
 
+    def outputs(self, place: P) -> Vector | None: ...
+
 
 def run_newmark(
     task: Task,
@@ -74,6 +76,7 @@ def run_newmark(
     step: float,
     *,
     constraints: Constraints = "reduced",
+    velocities: Velocities = "own",
     tolerance: float | None = None,
 ) -> Statistics:
     """Integrate a task with steps of one size, halved where Newton's method or the error asks.
@@ -91,6 +94,8 @@ def run_newmark(
     constraints
         "reduced" solves them within the rates; "index3" and "stabilised_index2" take multipliers
         and the coordinates of all bodies as unknowns of the steps.
+    velocities
+        What the samples of such steps show: "own" or "projected".
     tolerance
         Local error allowed for each state, for one plus its size; None where all steps are of one
         size but for those that Newton's method cannot take.
@@ -102,16 +107,17 @@ def run_newmark(
     """
     if tolerance is None and constraints == "reduced":
         weights = weights.settled(len(task.kernel.equations.states))
-    compiled = _compiled_steps(task, weights, constraints)
+    compiled = _compiled_steps(task, weights, constraints, velocities)
     if compiled is not None:
         return _run_compiled(compiled, name, step, tolerance)
     if constraints == "reduced":
         return _run(_March(task, ReducedSteps(task, weights), tolerance), name, step)
-    return _run(_March(task, ConstrainedSteps(task, weights, constraints), tolerance), name, step)
+    steps = ConstrainedSteps(task, weights, constraints, velocities)
+    return _run(_March(task, steps, tolerance), name, step)
 
 
 def _compiled_steps(
-    task: Task, weights: Weights, constraints: Constraints
+    task: Task, weights: Weights, constraints: Constraints, velocities: Velocities
 ) -> CompiledLoop[Any] | None:
     """Return steps whose loop is compiled, None where the kernel is not or the compiler fails."""
     engine = task.kernel.engine
@@ -120,7 +126,8 @@ def _compiled_steps(
     try:
         if constraints == "reduced":
             return CompiledSteps(task, engine, weights, newmark_code())
-        return CompiledConstrainedSteps(task, engine, weights, newmark_code(), constraints)
+        steps = ConstrainedSteps(task, weights, constraints, velocities)
+        return CompiledConstrainedSteps(task, engine, weights, newmark_code(), steps)
     except CompilationError as error:
         _log.warning("%s; the steps of the run are interpreted, which is slower", error)
         return None
@@ -229,7 +236,8 @@ def _run(march: _March[P], name: str, step: float) -> Statistics:
                     last = place.point
                     break
             else:
-                buffer.add(place.point.state, place.point.unknowns)
+                shown = march.steps.outputs(place)
+                buffer.add(place.point.state, place.point.unknowns, shown)
     finally:
         buffer.flush()
     if last is not None:

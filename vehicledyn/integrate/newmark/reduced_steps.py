@@ -205,6 +205,10 @@ class ReducedSteps:
         size, drift = point.time - before.point.time, point.unknowns - before.point.unknowns
         return ReducedPlace(point, rates, new, size, new - old, drift)
 
+    def outputs(self, place: ReducedPlace) -> Vector | None:
+        """Return nothing: the channels are those of the equations."""
+        return None
+
     def error(self, before: ReducedPlace, after: ReducedPlace) -> float:
         """Return the largest local error of a step about, see :meth:`ReducedForm.error`."""
         return self._form.error(before, after)

@@ -86,8 +86,10 @@ class ResidualFunctions:
             self._patterns.append((np.array(rows, int), np.array(columns, int), block.shape))
         values = [casadi.vertcat(casadi.SX(0, 1), *block.nonzeros()) for block in blocks]
         self._partials = BufferedFunction(_function("partials", inputs, values))
-        quadratic = [casadi.densify(e.quadratic)]
-        self._quadratic = BufferedFunction(_function("quadratic", inputs, quadratic))
+        lift = [casadi.densify(e.quadratic + e.jacobian @ e.acceleration)]
+        self._lift = BufferedFunction(_function("lift", inputs, lift))
+        self._inputs = inputs
+        self._output: BufferedFunction | None = None
         self.sizes = e.position.numel(), e.other.numel(), e.multiplier.numel()
 
     def residuals(self, at: Instant, parameters: Vector) -> Residuals:
@@ -100,9 +102,26 @@ class ResidualFunctions:
         pairs = zip(self._patterns, found, strict=True)
         return Partials(*[Sparse(r, c, value, shape) for (r, c, shape), value in pairs])
 
-    def quadratic(self, at: Instant, parameters: Vector) -> Vector:
-        """Return the accelerations of the constraints where the coordinates have none."""
-        return self._quadratic(*at, parameters)[0]
+    @property
+    def shows_own(self) -> bool:
+        """Whether channels off the constraints are others than those of the equations."""
+        return self.equations.output is not None
+
+    def outputs(self, at: Instant, parameters: Vector) -> Vector:
+        """Return the channels at an instant, with its own accelerations and multipliers."""
+        import casadi
+
+        if self._output is None:
+            output = self.equations.output
+            if output is None:
+                raise ValueError("these residuals have no channels of their own")
+            results = [casadi.densify(output())]
+            self._output = BufferedFunction(_function("output", self._inputs, results))
+        return self._output(*at, parameters)[0]
+
+    def lift(self, at: Instant, parameters: Vector) -> Vector:
+        """Return the accelerations of the constraints at those of the coordinates."""
+        return self._lift(*at, parameters)[0]
 
 
 def _function(name: str, inputs: list[Any], results: list[Any]) -> Any:

@@ -43,12 +43,12 @@ def run_watched(task: Task, name: str, solver: Any, weights: Weights) -> Statist
     NumericalError
         If the run cannot go on, or has diverged.
     """
-    watch, more = None, {"constraints": solver.constraints, "tolerance": solver.tolerance}
+    watch, more = None, {"constraints": solver.constraints, "velocities": solver.velocities}
     if task.watched and solver.watched_method is not None:
         per_interval = steps_per_interval(solver.step, task.interval)
         times = task.start, task.interval, per_interval, task.n_intervals
         watch = watch_of(task, Grid(solver.watched_method, *times, solver), rerun_of(solver))
-    found = run_newmark(task, name, weights, solver.step, **more)
+    found = run_newmark(task, name, weights, solver.step, tolerance=solver.tolerance, **more)
     if watch is None:
         return found
     accuracy = watch.verdict(ended_early=bool(found.ended_by))

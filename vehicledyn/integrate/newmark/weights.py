@@ -18,6 +18,10 @@ if TYPE_CHECKING:
 Constraints: TypeAlias = Literal["reduced", "index3", "stabilised_index2"]
 """How a step treats constraints; "reduced" solves them within the rates."""
 
+Velocities: TypeAlias = Literal["own", "projected"]
+"""What steps with multipliers show: "own" velocities, accelerations and multipliers, or "projected"
+ones, those of the nearest motion on the constraints."""
+
 SHORTEST = 1e-4
 """Part of a step below which halving gives up where Newton's method asks for it."""
 
@@ -50,6 +54,11 @@ class Weights:
         return self.gamma + self.first_order_mass - 1.0 + self.alpha_m
 
     @property
+    def shift(self) -> float:
+        """Part of a step by which the acceleration-like a is ahead of its time."""
+        return self.alpha_m - self.alpha_f
+
+    @property
     def order(self) -> int:
         """Order of the method: two where velocities are free of errors of first order."""
         return 2 if abs(self.gamma - 0.5 + self.alpha_m - self.alpha_f) < 1e-9 else 1
@@ -59,15 +68,14 @@ class Weights:
 
         The acceleration-like a belongs to the time (αm - αf) h later.
         """
-        shift = self.alpha_m - self.alpha_f
-        found: Vector = h**2 * (1.0 / 6.0 - 0.5 * shift - self.beta) * change
+        found: Vector = h**2 * (1.0 / 6.0 - 0.5 * self.shift - self.beta) * change
         return found
 
     def error_of_rates(
         self, h: float, change: Vector, size_before: float, change_before: Vector | None
     ) -> Vector:
         """Return the local error of velocities about, from the changes of a in two steps."""
-        shift = self.alpha_m - self.alpha_f
+        shift = self.shift
         found: Vector = h * (0.5 - shift - self.gamma) * change
         if change_before is not None:
             missed = (1.0 - self.gamma) * shift**2 + self.gamma * (1.0 + shift) ** 2

@@ -4,7 +4,7 @@
    last. */
 enum { MOST_CONSTRAINED = 12 };
 
-static const double CLOSE_STATES = 1e-14, CLOSE_FORCES = 1e-9, LEVER = 1e-2, SLOW_CONSTRAINED = 0.3;
+static const double CLOSE_STATES = 1e-14, LEVER = 1e-2, SLOW_CONSTRAINED = 0.3;
 static const double ROUNDING_STATES = 1e-8, COARSE = 1e-3;
 
 /* Solve with the factors; b holds the right side, then what is found. */
@@ -61,6 +61,7 @@ static void begin_trial(struct run *m, double end, struct trial *s, double *old)
   const struct place *at = &m->at;
   const long long n = m->n_pairs, k = c->n_others;
   const double h = s->h = end - at->time, mass = c->first_order_mass;
+  const double shift = m->alpha_m - m->alpha_f;
   const double ratio = at->size[0] != 0.0 ? h / at->size[0] : 0.0;
   const int is_carried = at->size[0] != 0.0 && h != at->size[0];
   for (long long i = 0; i < n + k; i++) {
@@ -68,7 +69,12 @@ static void begin_trial(struct run *m, double end, struct trial *s, double *old)
     old[i] = is_carried ? rate + ratio * (at->auxiliary[i] - rate) : at->auxiliary[i];
   }
   for (long long i = 0; i < n; i++) {
-    const double q = at->x[m->positions[i]], v = at->x[m->velocities[i]];
+    const double q = at->x[m->positions[i]];
+    double v = at->x[m->velocities[i]];
+    if (at->size[0] == 0.0) {
+      old[i] += h * shift * at->change[i];
+      if (!c->is_stabilised) v += h * h * (1.0 / 6.0 - 0.5 * shift - m->beta) * at->change[i];
+    }
     s->position[i] = q + h * (v + h * (0.5 - m->beta) * old[i]);
     s->velocity[i] = v + h * (1.0 - m->second_order_gamma) * old[i];
     s->acceleration[i] = (m->alpha_m * old[i] - m->alpha_f * at->rates[i]) / (1.0 - m->alpha_f);
@@ -143,7 +149,7 @@ static double allowed_error(const struct run *m, const struct trial *s, const do
   return fmin(fmax(m->share * largest, CLOSE_STATES), COARSEST);
 }
 
-static int iterate_constrained(struct run *m, double end) {
+static int iterate_constrained(struct run *m, double end, int is_fresh) {
   const struct constrained *c = &m->constrained;
   const long long n = m->n_pairs, k = c->n_others, count = c->n_multipliers;
   const long long n_gaps = c->is_stabilised ? 2 * count : count, size = n + k + n_gaps;
@@ -159,6 +165,7 @@ static int iterate_constrained(struct run *m, double end) {
   const double h = s.h;
   const double by_gap = c->scale / (m->beta * h * h);
   const double by_opening = c->scale / (m->second_order_gamma * h);
+  const double rounding = CLOSE_STATES * (1.0 + m->second_order_gamma / (m->beta * h));
   double before = INFINITY;
   for (int iteration = 0; iteration < MOST_CONSTRAINED; iteration++) {
     place_point(m, &s, end, point);
@@ -191,9 +198,11 @@ static int iterate_constrained(struct run *m, double end) {
     const double contraction = iteration ? change / before : 0.0;
     if (contraction > SLOW_CONSTRAINED && !is_rounding) m->matrix->is_stale = 1;
     const double left = contraction / fmax(1.0 - contraction, 1e-3);
-    const double allowed = count ? CLOSE_STATES : allowed_error(m, &s, old, point);
-    const int settled = iteration && moved * left < allowed && forced * left < CLOSE_FORCES;
-    if (settled || change == 0.0 || (contraction > 0.5 && is_rounding)) {
+    const double allowed = count ? c->close_states : allowed_error(m, &s, old, point);
+    const int settled = iteration && moved * left < allowed && forced * left < c->close_forces;
+    const int stays = contraction > 0.5 && is_rounding;
+    if (stays && !is_fresh && moved > rounding) return REFUSED;
+    if (settled || stays || change == 0.0) {
       place_point(m, &s, end, point);
       return accept_trial(m, &s, end, point, old);
     }
@@ -211,8 +220,26 @@ static int constrained_step(struct run *m, double end) {
   if (m->matrix->is_stale || !m->matrix->has_jacobian || !fits) return NEEDS_JACOBIAN;
   const int is_new = m->matrix->has_jacobian == FRESH;
   m->matrix->has_jacobian = KEPT;
-  if (iterate_constrained(m, end) == TAKEN) return TAKEN;
+  if (iterate_constrained(m, end, is_new) == TAKEN) return TAKEN;
   if (is_new) return REFUSED;
   m->matrix->is_stale = 1;
   return NEEDS_JACOBIAN;
+}
+
+/* Write the channels of the place m->at as the steps have it. */
+static void show_place(struct run *m, double *values) {
+  const struct constrained *c = &m->constrained;
+  const struct place *at = &m->at;
+  const long long n = m->n_pairs;
+  double *q = m->work + 1, *v = q + n, *lift = v + n, *forces = lift + n;
+  double *other = forces + c->n_multipliers;
+  m->work[0] = at->time;
+  for (long long i = 0; i < n; i++) {
+    q[i] = at->x[m->positions[i]];
+    v[i] = at->x[m->velocities[i]];
+    lift[i] = at->rates[i];
+  }
+  memcpy(forces, at->forces, c->n_multipliers * sizeof(double));
+  for (long long i = 0; i < c->n_others; i++) other[i] = at->x[m->rows[n + i]];
+  c->output(1, m->work, c->given, values, 0);
 }

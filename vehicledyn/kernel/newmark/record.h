@@ -27,21 +27,23 @@ typedef void (*vd_surveyor)(long long, const double *, const double *, const dou
 
 /* A point with its rates, the auxiliary rates that a step of some size left, and what it added to
    these and to the unknowns; the size is zero where the motion starts. Of steps with multipliers
-   the rates are those of the rows, and the forces are multipliers, then what corrects positions. */
+   the rates are those of the rows, the forces are multipliers, then what corrects positions, and
+   the change where the motion starts is the third derivative that the constraints demand. */
 struct place {
   double time, size[MOST_LANES];
   real *x, *z, *rates, *auxiliary, *change, *drift;
   double *forces;
 };
 
-/* What steps with multipliers need besides; the residual is null for others. */
+/* What steps with multipliers need besides; the residual is null for others, and so is the output
+   where the channels are those of the rates. */
 struct constrained {
-  vd_points residual;
+  vd_points residual, output;
   const double *given, *l_values, *u_values, *arms;
   const int *l_starts, *l_rows, *u_starts, *u_rows, *row_place, *column_place;
   const int *arm_starts, *arm_columns;
   long long n_multipliers, n_others, is_stabilised;
-  double lead, scale, lever, first_order_mass, first_order_gamma;
+  double lead, scale, lever, first_order_mass, first_order_gamma, close_states, close_forces;
 };
 
 /* Rows of the entries of a triangular factor by columns, and the same as runs of rows in turn. */

@@ -4,6 +4,7 @@
 static const double ROOM = 0.08;
 
 static int constrained_step(struct run *m, double end);
+static void show_place(struct run *m, double *values);
 
 /* Take a step from m->at to m->found. */
 VD_EXPORT int vd_newmark_step(struct run *m, double end) {
@@ -58,7 +59,9 @@ static int take_sample(struct run *m) {
     m->counts[WHERE] = k;
     return INACCURATE;
   }
-  m->outputs(time, x, z, m->constants, m->ys + row * m->n_outputs);
+  double *values = m->ys + row * m->n_outputs;
+  if (m->constrained.output) show_place(m, values);
+  else m->outputs(time, x, z, m->constants, values);
   m->counts[SAMPLES]++;
   return TAKEN;
 }

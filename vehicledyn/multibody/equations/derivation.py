@@ -196,7 +196,8 @@ def _constrained(derivation: Derivation, equations: Equations) -> ConstrainedEqu
     given = _given_accelerations(d.symbols, d.roles, motion.loads)
     names = [equations.states[k].name for k in equations.positions]
     free = {name: ops.symbol(f"{name}_acceleration") for name in names}
-    problem = _problem(d.system, d.symbols, d.roles, motion, {**given, **free})
+    accelerations = {**given, **free}
+    problem = _problem(d.system, d.symbols, d.roles, motion, accelerations)
     unsolved = Unsolved(
         d.system,
         d.symbols,
@@ -205,7 +206,7 @@ def _constrained(derivation: Derivation, equations: Equations) -> ConstrainedEqu
         problem=problem,
         accelerations=free,
         given=given,
-        loads=motion.loads,
+        solved=_solved(problem, motion, accelerations),
         finished=Replacement(d.symbols, d.moved),
     )
     return residual_form(unsolved, equations)

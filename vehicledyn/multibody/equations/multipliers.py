@@ -127,12 +127,12 @@ class Multipliers:
         v, w = (ops.column([table[n] for n in names]) for table in (s.rates, rates))
         steps = self._steps_of_places(dict(zip(names, step, strict=False)))
         moved = ops.substitute(ops.column([steps[n] for n in places]), q, x)
-        gap = ops.substitute(_largest(gaps), q, x)
+        gap = ops.substitute(largest_size(gaps), q, x)
         return Projection(
             states,
             rates,
             gap,
-            _largest(openings),
+            largest_size(openings),
             (q, v),
             (x + moved, w + ops.column(change[: len(names)])),
         )
@@ -264,7 +264,8 @@ def _is_regular(system: System, symbols: Symbols, loops: Loops, rows: Rows) -> b
     return all(float(np.diag(factor).min()) ** 2 > _SINGULAR for factor in lower)
 
 
-def _largest(items: list[Scalar]) -> Scalar:
+def largest_size(items: list[Scalar]) -> Scalar:
+    """Return the largest of absolute values, zero for none."""
     largest: Scalar = ops.scalar(0.0)
     for item in items:
         largest = ops.maximum(largest, ops.absolute(item))

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cache, partial
 
 from vehicledyn.base.errors import InputError
+from vehicledyn.multibody.equations.multipliers import largest_size
+from vehicledyn.multibody.equations.outputs import Solved, exerted, observe
+from vehicledyn.multibody.loops.closure import MultiplierClosure
 from vehicledyn.multibody.loops.loop_closure import Loops
-from vehicledyn.multibody.model.parts import Loads
 from vehicledyn.multibody.model.symbols import Symbols
 from vehicledyn.multibody.model.system import System
 from vehicledyn.multibody.recursion.forward_dynamics import TreeProblem
@@ -16,6 +19,7 @@ from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.constrained_equations import ConstrainedEquations
 from vehicledyn.symbolic.equations import Equations
 from vehicledyn.symbolic.ops import Scalar
+from vehicledyn.symbolic.quick_arithmetic import quick_arithmetic
 from vehicledyn.symbolic.sparse_rows import matrix_of
 
 
@@ -24,8 +28,9 @@ class Unsolved:
     """A system before its accelerations are solved for.
 
     ``rows`` are the constraints with multipliers. ``problem`` is the tree at the symbols
-    ``accelerations`` of the coordinates, with what acts on it; ``given`` are the accelerations of
-    the driven coordinates. ``finished`` puts the motions of driven coordinates into an expression.
+    ``accelerations`` of the coordinates, with what acts on it, and ``solved`` the same with all
+    that channels show; ``given`` are the accelerations of the driven coordinates. ``finished`` puts
+    the motions of driven coordinates into an expression.
     """
 
     system: System
@@ -33,9 +38,9 @@ class Unsolved:
     loops: Loops
     rows: list[int]
     problem: TreeProblem
+    solved: Solved
     accelerations: dict[str, Scalar]
     given: dict[str, Scalar]
-    loads: dict[str, Loads]
     finished: Callable[[Scalar], Scalar]
 
 
@@ -74,7 +79,7 @@ def residual_form(unsolved: Unsolved, equations: Equations) -> ConstrainedEquati
             force[k] = force[k] + entry * multiplier
     others = [(p.name, v.name) for p in u.system.parts for v in p.states()]
     full = {f"{part}.{name}" for part, name in others}
-    finished = u.finished
+    finished, loads = u.finished, u.solved.loads
     return ConstrainedEquations(
         time=equations.time,
         position=ops.column([s.coordinates[name] for name in names]),
@@ -88,12 +93,29 @@ def residual_form(unsolved: Unsolved, equations: Equations) -> ConstrainedEquati
         opening=finished(ops.column([_opening(u, row) for row in u.rows])),
         quadratic=finished(ops.column([_quadratic(u, row) for row in u.rows])),
         jacobian=finished(matrix_of(jacobian, len(names))),
-        other_rate=finished(ops.column([u.loads[part].rates[name] for part, name in others])),
+        other_rate=finished(ops.column([loads[part].rates[name] for part, name in others])),
         labels=tuple(u.loops.constraints[row].label for row in u.rows),
         positions=equations.positions,
         velocities=equations.velocities,
         others=tuple(k for k, v in enumerate(equations.states) if v.name in full),
+        output=cache(partial(_output, u, multipliers)) if u.rows else None,
     )
+
+
+@quick_arithmetic()
+def _output(unsolved: Unsolved, multipliers: list[Scalar]) -> Scalar:
+    """Return the channels at the symbols of accelerations and multipliers, which nothing solves."""
+    u, closure = unsolved, unsolved.loops.closure
+    if isinstance(closure, MultiplierClosure):
+        forces = {row: -symbol for row, symbol in zip(u.rows, multipliers, strict=True)}
+        closure = replace(closure, found=forces)
+    loops = replace(u.loops, closure=closure)
+    outputs = observe(
+        u.system, u.symbols, loops, u.solved, exerted(u.system, u.symbols, loops, u.solved)
+    )
+    gaps = [loops.constraints[row].residual.expression for row in u.rows]
+    drifts = largest_size(gaps), largest_size([_opening(u, row) for row in u.rows])
+    return u.finished(ops.column([*(o.expression for o in outputs), *drifts]))
 
 
 def _opening(unsolved: Unsolved, row: int) -> Scalar:

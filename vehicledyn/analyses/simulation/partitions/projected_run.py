@@ -167,7 +167,8 @@ class ProjectedRun:
             return False
         step = self.plan.step
         count = _STEPS if step is None else max(1, round((stop - start.time) / step))
-        state = projected(self.kernel, start.state, start.outputs)
+        outputs = self.kernel.outputs(start.time, start.state, start.unknowns)
+        state = projected(self.kernel, start.state, outputs)
         jacobians = [before]
 
         def take(times: Vector, x: Vector, z: Vector, y: Vector) -> None:
