@@ -1,14 +1,14 @@
 """A straight beam of assumed modes: its points, its mass and its elastic forces.
 
 With ξ = x/L and shapes φ_k, the axis deflects by v = Σ φ_k q_k along y and by w along z, is
-stretched by s and its sections twist by ϑ. To second order the point x of the axis stands at
+stretched by s and its sections twist by ϑ. The point x of the axis stands at
 
-    p = (x + s - ½ ∫ (v'² + w'²) dx, v, w),
+    p = (x + s - ∫ (1 - √(1 - v'² - w'²)) dx, v, w),
 
 whose foreshortening lets axial forces stiffen or buckle the beam. A section turns by the shortest
 rotation that brings the first axis to the tangent (√(1 - v'² - w'²), v', w') and then by the twist
-about it. Sections have no inertia across the axis and stay at right angles to it (Euler,
-Bernoulli).
+about it. Foreshortening and curvatures are taken to the sixth power of the slopes in the energies.
+Sections have no inertia across the axis and stay at right angles to it (Euler, Bernoulli).
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ from vehicledyn.multibody.bodies.beam_properties import TAPER_POINTS, Properties
 from vehicledyn.multibody.bodies.beam_shapes import Shapes, quadrature
 from vehicledyn.multibody.bodies.section_loads import SectionLoads
 from vehicledyn.multibody.bodies.section_rotation import section_rotation
-from vehicledyn.multibody.bodies.shortening import Shortening, inertia_products
-from vehicledyn.multibody.bodies.strain_energy import axial_energy, coupling_energy
+from vehicledyn.multibody.bodies.shortening import Shortening, inertia_products, summed
+from vehicledyn.multibody.bodies.strain_energy import axial_energy, coupling_energy, steep_energy
 from vehicledyn.multibody.model.deformation import (
     Deflection,
     Flexibility,
@@ -127,9 +127,9 @@ class ModalBeam(Flexibility):
     def slices(self, q: Sequence[Scalar]) -> list[Slice]:
         """Return the mass at the points of a Gauss quadrature."""
         points, weights = quadrature(self.points)
-        found = []
+        drawn, found = self._drawn_back(q, [ops.scalar(0.0)] * len(q)), []
         for index, (x, weight) in enumerate(zip(points, weights, strict=True)):
-            position, linear = self._axis(float(x), q, self._metrics(index))
+            position, linear = self._axis(float(x), q, drawn[index] if drawn else None)
             share: Scalar = float(weight)
             if not self.properties.is_uniform:
                 own = self.properties.at(float(x)).mass_per_length
@@ -149,16 +149,20 @@ class ModalBeam(Flexibility):
         return ops.vector(place * self.length + moved[0], moved[1], moved[2]), linear
 
     @cached_property
-    def _shortenings(self) -> dict[str, Shortening]:
-        """How bending draws the mass back, by direction; none where that is left out."""
-        if self.stiffening != "shortening":
-            return {}
-        places, _ = quadrature(self.points)
-        bends = [d for d in ("y", "z") if self.ranges[d]]
-        return {d: Shortening(self.by_direction[d], places) for d in bends}
+    def _shortening(self) -> Shortening | None:
+        """How bending draws the mass back; None where that is left out."""
+        bends = {d: self.by_direction[d] for d in ("y", "z") if self.ranges[d]}
+        if self.stiffening != "shortening" or not bends:
+            return None
+        return Shortening(bends, {d: self.ranges[d] for d in bends}, len(self.coordinates))
 
-    def _metrics(self, index: int) -> dict[str, Array]:
-        return {d: item.metric(index) for d, item in self._shortenings.items()}
+    def _drawn_back(self, q: Sequence[Scalar], rates: Sequence[Scalar]) -> list[Follower]:
+        """Return what the slices are drawn back by, nothing where that is left out."""
+        if self._shortening is None:
+            return []
+        reach = self._shortening.reach(quadrature(self.points)[0])
+        followers = self.followers(q, rates)
+        return [summed(row, followers) for row in reach]
 
     @cached_property
     def products(self) -> Integrals | None:
@@ -166,48 +170,35 @@ class ModalBeam(Flexibility):
         if not self.properties.is_uniform:
             return None
         shapes = [self.by_direction[direction] for direction in DIRECTIONS]
-        reaches = [item.reach for item in self._shortenings.values()]
-        found = inertia_products(shapes, _AXES, reaches, quadrature(self.points))
-        return Integrals(found, self.mass, self.length)
+        points = quadrature(self.points)
+        item = self._shortening
+        reach = np.zeros((len(points[0]), 0)) if item is None else item.reach(points[0])
+        return Integrals(inertia_products(shapes, _AXES, reach, points), self.mass, self.length)
 
     def followers(self, q: Sequence[Scalar], rates: Sequence[Scalar]) -> list[Follower]:
         """Return what draws the mass back, slope by slope."""
-        found = []
-        for direction, item in self._shortenings.items():
-            own = self.ranges[direction]
-            places, moving = ([values[k] for k in own] for values in (q, rates))
-            spread = np.eye(len(self.coordinates))[own]
-            found += item.followers(places, moving, self.length, spread)
-        return found
+        item = self._shortening
+        return [] if item is None else item.followers(q, rates, self.length)
 
     @property
     def recast(self) -> tuple[Flexibility, Array] | None:
         """The beam with slopes in place of amplitudes: the shortening couples them by products."""
-        if self.products is None or not self._shortenings:
+        if self.products is None or self._shortening is None:
             return None
         turn, by_direction = np.eye(len(self.coordinates)), dict(self.by_direction)
-        for direction, item in self._shortenings.items():
-            own = self.ranges[direction]
+        for direction, own in self._shortening.ranges.items():
             by_direction[direction], turn[own.start : own.stop, own.start : own.stop] = (
-                item.by_slopes
+                self._shortening.by_slopes(direction)
             )
         return replace(self, by_direction=by_direction), turn
 
     def growths(self, q: Sequence[Scalar], rates: Sequence[Scalar]) -> list[Vec]:
-        """Return p̈ of the slices at zero q̈: what the shortening grows by, -Σ G_ij q̇_i q̇_j / L."""
-        found = []
-        for index in range(self.points):
-            total = ops.scalar(0.0)
-            for direction, metric in self._metrics(index).items():
-                for i, k in enumerate(self.ranges[direction]):
-                    for j, other in enumerate(self.ranges[direction][: i + 1]):
-                        factor = float(metric[i, j]) * (1.0 if k == other else 2.0)
-                        total = total - factor * (rates[k] * rates[other] / self.length)
-            found.append(ops.vector(total, 0.0, 0.0))
-        return found
+        """Return p̈ of the slices at zero q̈: what the shortening grows by."""
+        drawn = [item.growth for item in self._drawn_back(q, rates)]
+        return [ops.vector(item, 0.0, 0.0) for item in drawn or [0.0] * self.points]
 
     def _axis(
-        self, place: float, q: Sequence[Scalar], metrics: Mapping[str, Array]
+        self, place: float, q: Sequence[Scalar], drawn_back: Follower | None
     ) -> tuple[Vec, dict[int, Vec]]:
         """Return where a point of the axis stands, with its derivatives."""
         across = {"y": ops.scalar(0.0), "z": ops.scalar(0.0)}
@@ -217,28 +208,26 @@ class ModalBeam(Flexibility):
             shape = float(self.by_direction["stretch"].values(place)[j])
             along = along + shape * q[k]
             linear[k] = ops.vector(shape, 0.0, 0.0)
+        pulls: dict[int, Scalar] = {}
+        if drawn_back is not None:
+            along = along + drawn_back.value
+            for factor, row in zip(drawn_back.factors, drawn_back.shares, strict=True):
+                for k in np.flatnonzero(row):
+                    pulls[int(k)] = pulls.get(int(k), 0.0) + float(row[k]) * factor
         for axis, direction in enumerate(("y", "z"), 1):
-            own, items = self.by_direction[direction], self.ranges[direction]
-            values, metric = own.values(place), metrics.get(direction, np.zeros((own.count,) * 2))
-            amplitudes = [q[k] / self.length for k in items]
-            for j, k in enumerate(items):
+            values = self.by_direction[direction].values(place)
+            for j, k in enumerate(self.ranges[direction]):
                 across[direction] = across[direction] + float(values[j]) * q[k]
-                pull = _weighted(metric[j], amplitudes)
-                along = along - 0.5 * pull * q[k]
-                moved = [-pull, 0.0, 0.0]
+                moved = [pulls.get(k, 0.0), 0.0, 0.0]
                 moved[axis] = float(values[j])
                 linear[k] = ops.vector(*moved)
         return ops.vector(along, across["y"], across["z"]), linear
 
-    def _metric(self, direction: str, place: float) -> Array:
-        """Return the coefficients of the shortening, zero where it is left out."""
-        found = self.by_direction[direction].shortening(place)
-        return found if self.stiffening == "shortening" else 0.0 * found
-
     def deflection(self, place: float, q: Sequence[Scalar]) -> Deflection:
         """Return where the section at ``place`` L stands."""
-        metrics = {direction: self._metric(direction, place) for direction in ("y", "z")}
-        position, linear = self._axis(place, q, metrics)
+        item = self._shortening
+        drawn = None if item is None else item.drawn_back(place, q, self.length)
+        position, linear = self._axis(place, q, drawn)
         slopes = [ops.scalar(0.0)] * 3
         given: dict[int, tuple[int, Scalar]] = {}
         for index, direction in enumerate(("y", "z", "twist")):
@@ -313,7 +302,15 @@ class ModalBeam(Flexibility):
         counts = [len(self.ranges[d]) for d in ("y", "z", "twist")]
         if all(counts):
             points = self.points + max(counts)
-            found.append(coupling_energy(along, self.properties, points, self.length))
+            found.append(
+                coupling_energy(
+                    along, self.properties, points, self.length,
+                    is_steep=self._shortening is not None,
+                )
+            )  # fmt: skip
+        elif self._shortening is not None:
+            bends, places = list(self._shortening.shapes), self._shortening.places
+            found.append(steep_energy(along, bends, self.properties, places, self.length))
         if self.stiffening == "axial_force":
             found.append(axial_energy(along, self.properties, 2 * self.points, self.length))
         return found
@@ -361,7 +358,6 @@ class ModalBeam(Flexibility):
         count = len(self.coordinates)
         linear = [[0.0] * count for _ in range(3)]
         turned: list[list[Any]] = [[0.0] * count for _ in range(3)]
-        quadratic: list[list[Any]] = [[0.0] * count for _ in range(count)]
         for row, direction in enumerate(("stretch", "y", "z")):
             for j, k in enumerate(self.ranges[direction]):
                 linear[row][k] = float(self.by_direction[direction].values(place)[j])
@@ -369,13 +365,12 @@ class ModalBeam(Flexibility):
             turned[0][k] = float(self.by_direction["twist"].values(place)[j])
         for row, sign, direction in ((2, 1.0, "y"), (1, -1.0, "z")):
             slopes = self.by_direction[direction].values(place, 1)
-            metric = self._metric(direction, place)
             for j, k in enumerate(self.ranges[direction]):
                 turned[row][k] = sign * float(slopes[j]) / self.length
-                for i, other in enumerate(self.ranges[direction]):
-                    quadratic[k][other] = -0.5 * float(metric[j, i]) / self.length
-        position = [place * self.length, 0.0, 0.0]
-        return {"position": position, "linear": linear, "quadratic": quadratic, "slopes": turned}
+        position, item = [place * self.length, 0.0, 0.0], self._shortening
+        straight = {"quadratic": [[0.0] * count for _ in range(count)]}
+        back = straight if item is None else item.drawn(place, self.length)
+        return {"position": position, "linear": linear, "slopes": turned, **back}
 
 
 def _weighted(factors: Sequence[float] | Array, values: Sequence[Scalar]) -> Scalar:

@@ -1,17 +1,20 @@
 """How a bent axis shortens, by its slopes at a few places.
 
-A point at ξ is drawn back by u = -1/(2 L) ∫ v_ξ² dξ from 0 to ξ. The squares of the slopes are
-known at some places and integrated as the polynomial through them. The places are those of a Gauss
-quadrature, of Radau's with a place at the clamped end, where the slope is zero: ∫ u dξ and ∫ ξ u dξ
-are exact for polynomials, and with them what axial and centrifugal forces do to bending. In place
-of all pairs of shapes there are then as many slopes as shapes, and one or a few more.
+A point at ξ is drawn back by u = -L ∫ (1 - √(1 - e)) dξ from 0 to ξ, where e = v'² + w'² is the
+square of the slope, to its sixth power: 1 - √(1 - e) = e/2 + e²/8 + e³/16. The slopes are known at
+some places and what they shorten by is integrated as the polynomial through these. The places are
+those of a Gauss quadrature, of Radau's with a place at the clamped end, where the slope is zero:
+∫ u dξ and ∫ ξ u dξ are exact for e/2 of polynomials, and with them what axial and centrifugal
+forces do to bending. In place of all pairs of shapes there are then as many slopes as shapes, and
+one or a few more.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -23,6 +26,8 @@ from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar
 
 Array = NDArray[np.float64]
+SERIES = (0.5, 0.125, 0.0625)
+"""1 - √(1 - e) by powers of e."""
 _FLAT = 1e-9
 """Slope at the start, over the largest, of shapes that are clamped there."""
 _ROUNDING = 1e-12
@@ -30,90 +35,173 @@ _ROUNDING = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class Shortening:
-    """The shortening by some bending shapes at the places where the mass stands."""
+    """The shortening by the shapes of one or both planes of bending.
 
-    shapes: Shapes
-    at: Array
+    ``ranges`` are the coordinates of each plane among ``count`` ones.
+    """
+
+    shapes: Mapping[str, Shapes]
+    ranges: Mapping[str, range]
+    count: int
 
     @cached_property
     def _nodes(self) -> tuple[Array, bool]:
         """Places of the slopes, and whether the start, which has none, is one more."""
-        start, end = (np.abs(self.shapes.values(x, 1)).max() for x in (0.0, 1.0))
+        start, end = (
+            max(np.abs(own.values(x, 1)).max() for own in self.shapes.values()) for x in (0.0, 1.0)
+        )
         if start > _FLAT * end:
-            return quadrature(self.shapes.points)[0], False
-        degree = self.shapes.slopes or self.shapes.points - 1
+            return quadrature(max(own.points for own in self.shapes.values()))[0], False
+        degree = max(own.slopes or own.points - 1 for own in self.shapes.values())
         found = legendre.legroots([0.0] * degree + [1.0, 1.0])
         return 0.5 * (1.0 + np.sort(found.real)[1:]), True
 
     @cached_property
-    def slopes(self) -> Array:
-        """φ_k' at the places, shape (places, shapes)."""
-        found = self.shapes.at(self._nodes[0], 1)
-        kept = np.abs(found) > _ROUNDING * np.abs(found).max()
-        return np.asarray(np.where(kept, found, 0.0), dtype=np.float64)
+    def places(self) -> tuple[Array, Array]:
+        """Places of the slopes and the weights of a quadrature of what vanishes without slope."""
+        return self._nodes[0], self.reach(np.ones(1))[0]
 
     @cached_property
-    def reach(self) -> Array:
-        """Integrals up to each mass of the polynomials that are one at a place each."""
+    def slopes(self) -> dict[str, Array]:
+        """φ_k' of each plane at the places, shape (places, shapes)."""
+        made = {}
+        for plane, own in self.shapes.items():
+            found = own.at(self._nodes[0], 1)
+            kept = np.abs(found) > _ROUNDING * np.abs(found).max()
+            made[plane] = np.asarray(np.where(kept, found, 0.0), dtype=np.float64)
+        return made
+
+    def reach(self, ends: Array) -> Array:
+        """Return integrals up to each end of the polynomials that are one at a place each."""
         nodes, has_start = self._nodes
         known = np.concatenate([[0.0], nodes]) if has_start else nodes
         through = np.linalg.inv(legendre.legvander(2.0 * known - 1.0, len(known) - 1))
         summed = legendre.legint(through, scl=0.5, lbnd=-1.0)
-        found = np.asarray(legendre.legval(2.0 * self.at - 1.0, summed).T, dtype=np.float64)
+        found = np.asarray(legendre.legval(2.0 * ends - 1.0, summed).T, dtype=np.float64)
         return found[:, 1:] if has_start else found
 
-    def metric(self, index: int) -> Array:
-        """Return what stands for ∫ φ_i' φ_j' dξ up to a mass, shape (shapes, shapes)."""
-        return np.asarray((self.slopes.T * self.reach[index]) @ self.slopes)
-
-    @cached_property
-    def by_slopes(self) -> tuple[Shapes, Array]:
-        """Shapes whose amplitudes are slopes at some of the places, and T of these amplitudes T q.
+    def by_slopes(self, plane: str) -> tuple[Shapes, Array]:
+        """Return shapes whose amplitudes are slopes at some of the places, and T of these, T q.
 
         The places are those that tell the shapes apart best.
         """
         from scipy.linalg import qr
 
-        _, _, order = qr(self.slopes.T, mode="economic", pivoting=True)
-        turned = self.slopes[np.sort(order[: self.shapes.count])]
-        made = self.shapes.coefficients @ np.linalg.inv(turned)
-        return replace(self.shapes, coefficients=made), turned
+        own = self.shapes[plane]
+        _, _, order = qr(self.slopes[plane].T, mode="economic", pivoting=True)
+        turned = self.slopes[plane][np.sort(order[: own.count])]
+        return replace(own, coefficients=own.coefficients @ np.linalg.inv(turned)), turned
 
     def followers(
-        self, q: Sequence[Scalar], rates: Sequence[Scalar], length: Scalar, spread: Array
+        self,
+        q: Sequence[Scalar],
+        rates: Sequence[Scalar],
+        length: Scalar,
+        series: Sequence[float] = SERIES,
     ) -> list[Follower]:
-        """Return -σ²/(2 L) of the slopes σ by ξ as amplitudes.
+        """Return -L (1 - √(1 - e)) of each place as amplitudes.
 
         Parameters
         ----------
         q, rates
-            Amplitudes of the shapes and their rates.
+            All coordinates of the beam and their rates.
         length
             L [m].
-        spread
-            One for each shape in the row of its own and the column of its coordinate, shape
-            (shapes, coordinates).
+        series
+            Factors of e, e² and e³.
         """
+        first, second, third = series
+        rows = {d: np.zeros((len(self._nodes[0]), self.count)) for d in self.shapes}
+        for plane, own in rows.items():
+            own[:, self.ranges[plane]] = self.slopes[plane]
         found = []
-        for row in self.slopes:
-            slope, turning = ops.scalar(0.0), ops.scalar(0.0)
-            for factor, value, rate in zip(row, q, rates, strict=True):
-                if factor:
-                    slope, turning = slope + float(factor) * value, turning + float(factor) * rate
-            over = slope / length
+        for place in zip(*rows.values(), strict=True):
+            leans = [_weighted(row, q) / length for row in place]
+            turning = [_weighted(row, rates) for row in place]
+            e, pace, swept = ops.scalar(0.0), ops.scalar(0.0), ops.scalar(0.0)
+            for lean, own_rate in zip(leans, turning, strict=True):
+                e, pace = e + lean * lean, pace + lean * own_rate
+                swept = swept + own_rate * own_rate
+            steeper = 2.0 * first + e * (4.0 * second + 6.0 * third * e)
+            growing = 8.0 * second + 24.0 * third * e
             found.append(
                 Follower(
-                    -0.5 * over * slope, -over, row @ spread, -over * turning,
-                    -turning * turning / length,
+                    -length * e * (first + e * (second + third * e)),
+                    [-steeper * lean for lean in leans],
+                    np.array(place),
+                    -steeper * pace,
+                    -(steeper * swept + growing * pace * pace) / length,
                 )
-            )  # fmt: skip
+            )
         return found
+
+    def drawn_back(self, place: float, q: Sequence[Scalar], length: Scalar) -> Follower:
+        """Return what a place is drawn back by; e/2 is integrated exactly."""
+        size = self.count
+        metric = np.zeros((size, size))
+        for plane, own in self.shapes.items():
+            metric[np.ix_(self.ranges[plane], self.ranges[plane])] = own.shortening(place)
+        pulls = [_weighted(row, q) / length for row in metric]
+        total, still = ops.scalar(0.0), [ops.scalar(0.0)] * size
+        for pull, value in zip(pulls, q, strict=True):
+            total = total - 0.5 * pull * value
+        steep = self.followers(q, still, length, (0.0, *SERIES[1:]))
+        return summed(
+            [1.0, *self.reach(np.array([place]))[0]],
+            [Follower(total, [-p for p in pulls], np.eye(size), still[0], still[0]), *steep],
+        )
+
+    def drawn(self, place: float, length: Scalar) -> dict[str, Any]:
+        """Return the same as plain data.
+
+        It is qᵀ ``quadratic`` q and, with the slopes ``steep`` of each plane, shape
+        (planes, places, coordinates), ``drawn_back`` times e²/8 + e³/16 of each place.
+        """
+        size = range(self.count)
+        quadratic: list[list[Any]] = [[0.0 for _ in size] for _ in size]
+        steep: list[list[list[Any]]] = []
+        for plane, own in self.shapes.items():
+            metric, items = own.shortening(place), self.ranges[plane]
+            for j, k in enumerate(items):
+                for i, other in enumerate(items):
+                    quadratic[k][other] = -0.5 * float(metric[j, i]) / length
+            rows: list[list[Any]] = []
+            for slopes in self.slopes[plane]:
+                row: list[Any] = [0.0 for _ in size]
+                for j, k in enumerate(items):
+                    row[k] = float(slopes[j]) / length
+                rows.append(row)
+            steep.append(rows)
+        reach = [-float(share) * length for share in self.reach(np.array([place]))[0]]
+        return {"quadratic": quadratic, "steep": steep, "drawn_back": reach}
+
+
+def summed(weights: Sequence[float] | Array, followers: Sequence[Follower]) -> Follower:
+    """Return a sum of followers times a weight each."""
+    nothing = ops.scalar(0.0)
+    value, rate, growth = nothing, nothing, nothing
+    for weight, item in zip(weights, followers, strict=True):
+        share = float(weight)
+        value, rate = value + share * item.value, rate + share * item.rate
+        growth = growth + share * item.growth
+    factors = [
+        float(w) * f for w, item in zip(weights, followers, strict=True) for f in item.factors
+    ]
+    return Follower(value, factors, np.vstack([f.shares for f in followers]), rate, growth)
+
+
+def _weighted(factors: Sequence[float] | Array, values: Sequence[Scalar]) -> Scalar:
+    total = ops.scalar(0.0)
+    for factor, value in zip(factors, values, strict=True):
+        if factor:
+            total = total + float(factor) * value
+    return total
 
 
 def inertia_products(
     shapes: Sequence[Shapes],
     axes: Sequence[int | None],
-    reaches: Sequence[Array],
+    reach: Array,
     points: tuple[Array, Array],
 ) -> Array:
     """Return the inertia integrals of a beam of unit mass and length.
@@ -122,8 +210,8 @@ def inertia_products(
     ----------
     shapes, axes
         Shapes of each direction, and the axis along which they displace points, if they do.
-    reaches
-        What the followers of each direction displace the points by, along the first axis.
+    reach
+        What the followers displace the points by, along the first axis, shape (points, followers).
     points
         Places and weights of the quadrature.
     """
@@ -132,7 +220,6 @@ def inertia_products(
     for item, axis in zip(shapes, axes, strict=True):
         for values in item.at(x).T:
             columns.append(np.array([values if k == axis else 0.0 * x for k in range(3)]))
-    for reach in reaches:
-        columns += [np.array([values, 0.0 * x, 0.0 * x]) for values in reach.T]
+    columns += [np.array([values, 0.0 * x, 0.0 * x]) for values in reach.T]
     functions = np.vstack(columns)
     return np.asarray((functions * weights) @ functions.T)

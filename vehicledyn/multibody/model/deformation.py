@@ -108,12 +108,12 @@ def about_first_axis(
 class Follower:
     """An amplitude that follows the coordinates: the ``value`` g(q) [m].
 
-    Its derivatives by the coordinates are ``factor`` times the numbers ``shares``; ``rate`` is ġ
-    and ``growth`` g̈ at zero q̈.
+    Its derivatives by the coordinates are the sum of ``factors`` times a row each of the numbers
+    ``shares``, shape (factors, coordinates); ``rate`` is ġ and ``growth`` g̈ at zero q̈.
     """
 
     value: Scalar
-    factor: Scalar
+    factors: Sequence[Scalar]
     shares: NDArray[np.float64]
     rate: Scalar
     growth: Scalar
@@ -201,7 +201,9 @@ class Flexibility(ABC):
         """Return a point as plain data, whose numbers may be symbols.
 
         ``position`` (3), ``linear`` (3, n) and ``quadratic`` (3, n, n) give it at amplitudes q as
-        position + linear q + qᵀ quadratic q, ``slopes`` (3, n) its rotation vector; or without
+        position + linear q + qᵀ quadratic q, ``slopes`` (3, n) its rotation vector, and, if any,
+        ``steep`` (planes, places, n) slopes whose squares e draw it on by ``drawn_back`` (places)
+        times e²/8 + e³/16 along the first axis; or without
         ``quadratic`` and with ``turns`` (3, n) the vector whose half are its Gibbs parameters, and
         with ``curved`` (3, n, n), if any, at position + linear q + ½ qᵀ curved q.
         """

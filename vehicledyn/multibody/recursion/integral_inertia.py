@@ -5,8 +5,8 @@ and forces on the amplitudes are sums of products ∫ f g dm of the functions 1,
 components of the φ_k, which are taken once: about a dozen operations for each pair of amplitudes,
 however many points the body has (Shabana 2013, Dynamics of Multibody Systems, chapter 5).
 
-The first amplitudes are the coordinates; others follow them, with derivatives that are one factor
-times numbers each. What acts on these acts on the coordinates through the derivatives.
+The first amplitudes are the coordinates; others follow them, with derivatives that are a factor or
+two times numbers each. What acts on these acts on the coordinates through the derivatives.
 
 Where displacements have terms of second order, ½ Σ Ψ_kl q_k q_l, products of 1, x, y and z with the
 Ψ_kl are added, ∂p/∂q_k is φ_k + Σ Ψ_kl q_l, and products of Ψ with φ and Ψ, of higher order, are
@@ -57,10 +57,16 @@ class IntegralInertia(DeformedInertia):
         return self.body.followers(k.amplitudes(link), k.amplitude_rates(link))
 
     @cached_property
+    def _factors(self) -> list[tuple[int, Scalar]]:
+        """Factors of all followers, each with the amplitude it belongs to."""
+        n = len(self.body.coordinates)
+        return [(k, factor) for k, f in enumerate(self._followers, n) for factor in f.factors]
+
+    @cached_property
     def _shares(self) -> Array:
-        """Derivatives of each follower over its factor, shape (followers, coordinates)."""
+        """Derivatives of the followers over their factors, shape (factors, coordinates)."""
         found = [item.shares for item in self._followers]
-        return np.array(found).reshape(len(found), len(self.body.coordinates))
+        return np.vstack([np.zeros((0, len(self.body.coordinates))), *found])
 
     @cached_property
     def _amplitudes(self) -> list[Scalar]:
@@ -75,7 +81,10 @@ class IntegralInertia(DeformedInertia):
     @cached_property
     def _accelerations(self) -> list[Scalar]:
         own = self.kinematics.amplitude_accelerations(self.link)
-        found = [f.growth + f.factor * _sum(f.shares, own) for f in self._followers]
+        found = [
+            f.growth + _sum_of(f.factors, [_sum(row, own) for row in f.shares])
+            for f in self._followers
+        ]
         return [*own, *found]
 
     @property
@@ -85,7 +94,7 @@ class IntegralInertia(DeformedInertia):
     def _on_coordinates(self, loads: Sequence[Scalar]) -> list[Scalar]:
         """Return what loads on all amplitudes are on the coordinates."""
         n = len(self.body.coordinates)
-        passed = [f.factor * load for f, load in zip(self._followers, loads[n:], strict=True)]
+        passed = [factor * loads[k] for k, factor in self._factors]
         return [loads[k] + _sum(self._shares[:, k], passed) for k in range(n)]
 
     def _block(self, row: int, column: int) -> Array:
@@ -233,11 +242,10 @@ class IntegralInertia(DeformedInertia):
 
     @cached_property
     def _followed(self) -> list[tuple[Vec, Vec]]:
-        """Force and torque that a unit share in each follower needs."""
-        n = len(self.body.coordinates)
+        """Force and torque that a unit share in each factor needs."""
         return [
-            (f.factor * ops.vector(*self._first(k)), f.factor * _axial(self._with[k]))
-            for k, f in enumerate(self._followers, n)
+            (factor * ops.vector(*self._first(k)), factor * _axial(self._with[k]))
+            for k, factor in self._factors
         ]
 
     def _product(self, k: int, other: int) -> float:
@@ -248,23 +256,19 @@ class IntegralInertia(DeformedInertia):
 
     @cached_property
     def _coupled(self) -> list[list[Scalar]]:
-        """Force on each follower, times its factor, for a unit acceleration of a coordinate."""
-        n, followers = len(self.body.coordinates), self._followers
-        between = [
-            [f.factor * self._product(n + i, n + j) * g.factor for j, g in enumerate(followers)]
-            for i, f in enumerate(followers)
-        ]
+        """Force on each follower, times a factor, for a unit acceleration of a coordinate."""
+        n, factors = len(self.body.coordinates), self._factors
+        between = [[f * self._product(i, j) * g for j, g in factors] for i, f in factors]
         return [
-            [_sum(self._shares[:, k], row) + f.factor * self._product(n + i, k) for k in range(n)]
-            for i, (f, row) in enumerate(zip(followers, between, strict=True))
+            [_sum(self._shares[:, k], row) + f * self._product(i, k) for k in range(n)]
+            for (i, f), row in zip(factors, between, strict=True)
         ]
 
     def entry(self, k: int, other: int) -> Scalar:
         """Return the entry of the mass matrix between two coordinates of the deformation."""
-        n = len(self.body.coordinates)
         total = ops.scalar(self._product(k, other))
         total = total + _sum(self._shares[:, k], [row[other] for row in self._coupled])
-        direct = [f.factor * self._product(k, n + i) for i, f in enumerate(self._followers)]
+        direct = [factor * self._product(k, i) for i, factor in self._factors]
         total = total + _sum(self._shares[:, other], direct)
         return self._integrals.scale * total + self.body.turning.entry(3 + k, 3 + other)
 

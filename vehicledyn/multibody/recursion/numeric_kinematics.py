@@ -135,6 +135,10 @@ def _deflected(
     )
     moved = place + q @ linear.T
     moved[:, 0] += np.einsum("ni,ij,nj->n", q, quadratic, q)
+    if "steep" in point:
+        leans = np.einsum("dpi,ni->dpn", np.array(point["steep"], dtype=float), q)
+        e = (leans * leans).sum(axis=0)
+        moved[:, 0] += np.array(point["drawn_back"], dtype=float) @ (e * e * (2.0 + e) / 16.0)
     twist, about_y, about_z = (q @ slopes.T).T
     along = np.sqrt(np.maximum(1.0 - about_y**2 - about_z**2, 0.0))
     bend = np.stack([1.0 + along, np.zeros_like(along), about_y, about_z], axis=1)
@@ -210,9 +214,12 @@ def _point(station: Station, fixed: set[str]) -> dict[str, Any]:
                 for axis in drawn["curved"]
             ]
         return {"names": own, "position": drawn["position"], **rows}
-    quadratic = [[drawn["quadratic"][i][j] for j in kept] for i in kept]
+    rows["quadratic"] = [[drawn["quadratic"][i][j] for j in kept] for i in kept]
+    if "steep" in drawn:
+        rows["steep"] = [[[row[k] for k in kept] for row in plane] for plane in drawn["steep"]]
+        rows["drawn_back"] = drawn["drawn_back"]
     own = [names[k] for k in kept]
-    return {"names": own, "position": drawn["position"], "quadratic": quadratic, **rows}
+    return {"names": own, "position": drawn["position"], **rows}
 
 
 def skeleton_from(plain: Mapping[str, Any]) -> Skeleton:
