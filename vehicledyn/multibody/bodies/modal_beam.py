@@ -212,8 +212,8 @@ class ModalBeam(Flexibility):
         if drawn_back is not None:
             along = along + drawn_back.value
             for factor, row in zip(drawn_back.factors, drawn_back.shares, strict=True):
-                for k in np.flatnonzero(row):
-                    pulls[int(k)] = pulls.get(int(k), 0.0) + float(row[k]) * factor
+                for index in map(int, np.flatnonzero(row)):
+                    pulls[index] = pulls.get(index, 0.0) + float(row[index]) * factor
         for axis, direction in enumerate(("y", "z"), 1):
             values = self.by_direction[direction].values(place)
             for j, k in enumerate(self.ranges[direction]):

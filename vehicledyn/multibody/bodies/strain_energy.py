@@ -81,9 +81,7 @@ def _bent(
     return bent, {d: along(d, place, 1) / length for d in planes}
 
 
-def _curvatures(
-    bent: Mapping[str, Scalar], slopes: Mapping[str, Scalar]
-) -> dict[str, Scalar]:
+def _curvatures(bent: Mapping[str, Scalar], slopes: Mapping[str, Scalar]) -> dict[str, Scalar]:
     """Return the curvatures of an axis whose sections are turned by the shortest rotation.
 
     That is v'' + v' (v' v'' + w' w'') / (c + c²) with c = √(1 - e), to the fifth power of slopes.
