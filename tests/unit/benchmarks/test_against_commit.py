@@ -24,3 +24,15 @@ def test_another_package_than_the_trees_is_refused(tmp_path):
     """A tree without a package would measure the installed one."""
     with pytest.raises(SystemExit, match="empty: Python takes the package from"):
         against_commit.Tree("empty", tmp_path, tmp_path).check()
+
+
+def test_each_turn_has_new_files_of_the_kernels(tmp_path):
+    tree = against_commit.Tree("some", tmp_path, tmp_path)
+    kernel = tmp_path / "cache" / "kernels" / "kernel.so"
+    kernel.parent.mkdir(parents=True)
+    kernel.write_bytes(b"code")
+    before = kernel.stat().st_ino
+    tree.renew_cache()
+    assert kernel.read_bytes() == b"code"
+    assert kernel.stat().st_ino != before
+    assert [item.name for item in tmp_path.iterdir()] == ["cache"]
