@@ -125,7 +125,8 @@ class Bundle:
     def state(self, values: Array) -> None:
         if values.shape != (self._x.shape[0], self.n_directions):
             raise InputError(f"tangents of shape {values.shape} do not fit")
-        self._x.reshape(len(self._x), -1)[:, : self.n_directions] = values
+        n_x, groups, lanes = self._x.shape
+        self._x.reshape(n_x, groups * lanes)[:, : self.n_directions] = values
 
     def part(self, grid: Grid, way: Way, moment: Moment, times: tuple[Vector, Vector]) -> None:
         """Take a part of a step, moving the state and unknowns of a moment and the tangents.

@@ -187,3 +187,28 @@ def test_linear_names_are_checked():
         vd.sensitivity("double_pendulum", "equilibrium.upper.angel")
     with pytest.raises(InputError, match="linearised"):
         vd.sensitivity("double_pendulum", "upper.angle", speed="3 m/s")
+
+
+DRIVEN = """\
+title: A slide that is driven to a sum
+parameters: {a: {value: 0.3}, b: {value: 0.4}}
+bodies:
+  slide: {joints: [{kind: T1, name: x}], mass: 1 kg}
+drives:
+  push: {coordinate: slide.x, law: {kind: expression, position: (2 * a - 3 * b**2 + 1) * 1 m}}
+"""
+
+
+def test_a_motion_without_states_has_derivatives(tmp_path):
+    """Where all is driven nothing is integrated, and there are no modes."""
+    path = tmp_path / "driven.yaml"
+    path.write_text(DRIVEN, encoding="utf-8")
+    run = {"solver": {"kind": "rk4", "step": "1 ms"}, "output": {"interval": "1 ms"}}
+    run["duration"] = "2 ms"
+    found = vd.sensitivity(path, ["slide.x", "final(slide.x)"], **run)
+    assert found["figure_slope"].values[0] == pytest.approx([2.0, -2.4], rel=1e-14)
+    assert found["channel_slope"].values[0] == pytest.approx(np.full((3, 2), [2.0, -2.4]))
+    bent = vd.sensitivity(path, "final(slide.x)", along={"b": 1.0}, **run)
+    assert bent["figure_curvature"].values[0] == pytest.approx([0.0, -6.0])
+    with pytest.raises(InputError, match="no modes but zeros"):
+        vd.sensitivity(path, "eigenvalues")

@@ -232,6 +232,9 @@ def _eigenvalues(model: _Model) -> Found:
     found: Found = []
     for k, value in enumerate(slopes.values):
         found += mode_figures(k + 1, complex(value), by_parameter[k])
+    if not found:
+        name = model.prepared.equations.name
+        raise InputError(f"'{name}' has no modes but zeros, whose eigenvalues have no derivatives")
     return found
 
 
