@@ -15,6 +15,7 @@ from vehicledyn.studies.sweep import run_study
 
 ROOT = Path(__file__).parents[3]
 QUARTER_CAR = ROOT / "scenarios" / "systems" / "quarter_car.yaml"
+MASSES = [100] * 12 + [0.001]
 SLALOM = ROOT / "scenarios" / "iltis_slalom.yaml"
 
 
@@ -73,6 +74,28 @@ def test_energy_from_nowhere_is_warned_of(tmp_path):
     for better in (step, "solver.step=1 ms"):  # what the samples miss is no reason to warn
         again = run(QUARTER_CAR, tmp_path / "b.h5", better, coarse)
         assert not [text for text in again.messages if text.startswith("warning:")]
+
+
+@pytest.mark.usefixtures("needs_compiler")  # interpreted runs are not taken again as a whole
+def test_the_energy_of_large_masses_hides_no_small_one(tmp_path):
+    """A light mass in resonance is off by forty times; no key figure names one of 13 places."""
+    masses = [f"  m{k}: {{joints: [T3 z], mass: {mass} kg}}" for k, mass in enumerate(MASSES)]
+    springs = [
+        f"  s{k}: {{coordinate: m{k}.z, law: {{kind: spring_damper, stiffness: {stiffness} N/m}}}}"
+        for k, stiffness in enumerate([2000] * 12 + [1000])
+    ]
+    shake = "forces: {shake: {coordinate: m12.z, force: 0.01 N * sin(1000 rad/s * time)}}"
+    (tmp_path / "many.yaml").write_text(
+        "\n".join(["title: Many masses", "bodies:", *masses, "springs:", *springs, shake])
+    )
+    (tmp_path / "run.yaml").write_text(
+        "title: A light mass is shaken\nmodel: many.yaml\nduration: 2 s\n"
+        "solver: {kind: rk4, step: 1 ms}\noutput: {interval: 2 ms}"
+    )
+    outcome = run(tmp_path / "run.yaml", tmp_path / "a.h5")
+    (told,) = [text for text in outcome.messages if text.startswith("warning:")]
+    assert "'m12.z" in told
+    assert "take a step of" in told
 
 
 def test_an_accurate_run_says_so_in_its_file(tmp_path):

@@ -61,28 +61,35 @@ def energy_error(recording: Recording) -> Iterator[SummaryEntry]:
 def rough_balance(recording: Recording) -> EnergyBalance | None:
     """Return the balance of the energy by local cubics, at a tenth of the price, None as below.
 
-    Samples must fit into memory, each at a time of its own.
+    Samples must fit into memory, each at a time of its own. Its doubt is what cubics differ from
+    straight lines by.
     """
     if recording.count < 2 or not {*ENERGIES, POWER} <= set(recording.channels):
         return None
     rows = recording.rows((*ENERGIES, POWER), 0, recording.count)
     with np.errstate(over="ignore", invalid="ignore"):
         power, energy = rows.channels[POWER], _energy(rows)
-        work = np.append(0.0, np.cumsum(_rough_work(rows.time, power)))
+        parts, lines = _rough_work(rows.time, power)
+        work = np.append(0.0, np.cumsum(parts))
         error = float(np.abs(energy - energy[0] - work).max())
         spans = [float(np.ptp(rows.channels[name])) for name in ENERGIES]
         largest = _LEAST_OF_KINETIC * float(rows.channels[ENERGIES[0]].max())
-        return EnergyBalance(error, max(largest, *spans, float(np.ptp(work))))
+        doubt = float(np.abs(np.cumsum(parts - lines)).max())
+        return EnergyBalance(error, max(largest, *spans, float(np.ptp(work))), doubt)
 
 
-def _rough_work(times: Floats, power: Floats) -> Floats:
-    """Return the work between samples, shape (n - 1,): by trapezoids where times are uneven [J]."""
+def _rough_work(times: Floats, power: Floats) -> tuple[Floats, Floats]:
+    """Return the work between samples by cubics and by straight lines, shapes (n - 1,) [J].
+
+    Both are by lines where times are uneven.
+    """
     spans = np.diff(times)
     is_even = np.abs(np.diff(spans)) < _UNEVEN * spans[1:]
     bend = power[1:-2] + power[2:-1] - power[:-3] - power[3:]
-    work: Floats = 0.5 * spans * (power[1:] + power[:-1])
+    lines: Floats = 0.5 * spans * (power[1:] + power[:-1])
+    work = lines.copy()
     work[1:-1] += np.where(is_even[:-1] & is_even[1:], spans[1:-1] * bend / 24.0, 0.0)
-    return work
+    return work, lines
 
 
 def energy_balance(recording: Recording) -> EnergyBalance | None:

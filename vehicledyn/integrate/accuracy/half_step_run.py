@@ -36,6 +36,10 @@ _FINEST = 256
 MOVED = 0.04
 """Error that a second look may find without a warning."""
 
+_DRIFTED = 0.1 * MOVED
+"""Energy from nowhere that asks for a second look, as a part of what is exchanged: motions may
+amplify what goes wrong tenfold, and much more where they drive errors apart."""
+
 
 @dataclass(frozen=True)
 class Moved:
@@ -237,10 +241,11 @@ def taken_again(watch: WatchedRun, place: WindowStart, count: int, way: Way) -> 
 def apart(
     watch: WatchedRun, own: Again, other: Again, *, scales: Vector | None = None
 ) -> tuple[float, str]:
-    """Return the error of the worst key figure, or channel where there are no figures.
+    """Return the error of the worst key figure, or channel where no figure is of the motion.
 
-    The balance of the energy counts as one. Channels are measured by ``scales`` (n_channels,), by
-    those of the run if there are none.
+    The balance of the energy counts as one, but stands for no motion: a large mass hides in it what
+    small ones do. Channels are measured by ``scales`` (n_channels,), by those of the run if there
+    are none.
     """
     make = watch.judged.figures
     samples = [again.samples for again in (own, other) if again.samples and not again.failure]
@@ -251,12 +256,11 @@ def apart(
         balances = [balance_of(watch, part) for part in samples]
     sizes = Sizes.of(watch.equations, watch.judged.channels, other.ranges)
     errors = figure_errors(figures[0], figures[1], sizes)
+    found = [] if errors else [_ranges_apart(watch, own, other, scales)]
     if balances[0] is not None and balances[1] is not None:
         errors[ENERGY] = balances[0].distance(balances[1])
-    if not errors:
-        return _ranges_apart(watch, own, other, scales)
-    worst = max(errors, key=lambda name: errors[name])
-    return errors[worst], f"'{worst}'"
+    found += [(error, f"'{name}'") for name, error in errors.items()]
+    return max(found, key=lambda one: one[0])
 
 
 def energy_is_off(watch: WatchedRun) -> bool:
@@ -265,9 +269,11 @@ def energy_is_off(watch: WatchedRun) -> bool:
         return False
     with np.errstate(all="ignore"):
         rough = balance_of(watch, watch.kept, rough=True)
-        if rough is None or rough.part <= 0.75 * MOVED:
+        if rough is None or rough.part <= _DRIFTED:
             return False
-        found = balance_of(watch, watch.kept)
+        if rough.error > rough.doubt + _DRIFTED * rough.exchanged:
+            return True
+        found = balance_of(watch, watch.kept) if rough.part > 0.75 * MOVED else None
     return found is not None and found.part > MOVED
 
 
