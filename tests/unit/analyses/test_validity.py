@@ -16,7 +16,8 @@ from vehicledyn.studies.sweep import run_study
 
 pytestmark = pytest.mark.long
 
-SMALL_CAR = Path(__file__).parents[3] / "scenarios" / "systems" / "small_car.yaml"
+SYSTEMS = Path(__file__).parents[3] / "scenarios" / "systems"
+SMALL_CAR = SYSTEMS / "small_car.yaml"
 STEERED = """\
 title: The Iltis is steered hard on tyres that hold well
 model: iltis
@@ -139,3 +140,18 @@ def test_wheels_that_go_through_the_road_end_the_run(tmp_path):
         deepest = np.max([result.channel(name).values for name in names], axis=0)
     assert deepest[-1] == pytest.approx(radius, abs=1e-6)
     assert np.all(deepest[:-1] < radius)
+
+
+def test_a_motorcycle_that_falls_over_ends_its_run(tmp_path):
+    """Asked for too much lean it fell, and turned somersaults through the road with status ok."""
+    loaded = load_scenario(SYSTEMS / "motorcycle.yaml", ("rider.lean=75 deg",))
+    outcome = run_scenario(
+        loaded, output=tmp_path / "m.h5", backend="auto", progress=lambda *_: None
+    )
+    assert outcome.status == "overturned"
+    (ending,) = [text for text in outcome.messages if text.startswith("overturned at t = ")]
+    assert "a wheel leans by more than 80 deg from the road" in ending
+    assert outcome.summary["overturned_body"].value == "frame"
+    with open_result(tmp_path / "m.h5") as result:
+        roll = result.channel("frame.roll").values
+    assert np.abs(roll).max() == pytest.approx(math.radians(80.0), abs=2e-2)

@@ -13,7 +13,7 @@ from vehicledyn.base.parameters import ParameterSet
 from vehicledyn.files.scenario.sets import Scenario
 from vehicledyn.files.scenario.target import Target
 from vehicledyn.rail.track.track_set import TrackChoice
-from vehicledyn.road.limits import limited
+from vehicledyn.road.limits import limited, limited_system
 from vehicledyn.road.manoeuvres.kinds.straight import Straight
 from vehicledyn.road.manoeuvres.manoeuvre import RoadManoeuvre
 from vehicledyn.road.patches.patch import FrictionPatch
@@ -38,7 +38,7 @@ def build_subject(target: Target) -> Subject:
         return RoadSubject(build_vehicle(target), manoeuvre_of(target))
     from vehicledyn.files.building.builders import BUILDERS
 
-    return SystemSubject(BUILDERS[target.written.kind].system(*_asked(target)))
+    return SystemSubject(limited_system(BUILDERS[target.written.kind].system(*_asked(target))))
 
 
 def manoeuvre_of(target: Target) -> RoadManoeuvre:
