@@ -140,6 +140,18 @@ def test_a_run_in_two_pieces_is_that_in_one(tmp_path, text):
             assert len(result.events) > 3
 
 
+@pytest.mark.parametrize("method", ["rosenbrock", "cvodes", "idas"])
+@pytest.mark.parametrize(("samples", "begin"), [(5, 0.0), (70, 0.32)])
+def test_a_chunk_that_the_end_cut_short_is_computed_again(tmp_path, method, samples, begin):
+    """Steps lead to the end of a call of the integrator, which a longer run has elsewhere."""
+    text = STIFF.replace("rosenbrock", method)
+    run(tmp_path, text, "whole.h5")
+    run(tmp_path, text, "first.h5", f"duration={5 * samples} ms")
+    outcome = run(tmp_path, text, "second.h5", restart="first.h5")
+    assert f"went on from t = {begin:g} s" in " ".join(outcome.messages)
+    assert_same(tmp_path / "whole.h5", tmp_path / "second.h5")
+
+
 @pytest.mark.parametrize("text", [LOOPED, STIFF])
 def test_histories_of_former_files_are_left_alone(tmp_path, text):
     """They hold other numbers in other places: read as today's, the motion would be wrong."""

@@ -1,7 +1,9 @@
 """Implicit integration with CasADi's integrators, loops as algebraic equations.
 
 CasADi integrates a whole chunk of samples in one call that cannot be interrupted, and starts
-its method anew with the next chunk; so chunks are short for methods that start cheaply.
+its method anew with the next chunk; so chunks are short for methods that start cheaply. Its steps
+lead to the end of the chunk, so that a longer run has others where this one's last chunk is cut
+short: what goes on with the run begins before that.
 """
 
 from __future__ import annotations
@@ -51,9 +53,17 @@ def run_casadi(
             index = range(task.n_intervals + 1)[int(task.beginning.history[0])]
             numbers = task.beginning.history[1:].reshape(state.size + unknowns.size)
             state, unknowns = np.split(numbers, [state.size])
+
+    def note() -> None:
+        if task.course is not None:
+            buffer.flush()
+            task.course.note(task.time(index), np.concatenate([[index], state, unknowns]))
+
     try:
+        if not index:
+            note()
         while index < task.n_intervals:
-            size = min(chunk, task.n_intervals - index)
+            size = wanted = min(chunk, task.n_intervals - index)
             try:
                 result = integrators.run(size, task.time(index), state, unknowns)
             except Stopped:
@@ -63,10 +73,8 @@ def run_casadi(
             for row in range(size):
                 buffer.add(states[row], guesses[row])
             state, unknowns, index = states[-1], guesses[-1], index + size
-            if task.course is not None:
-                buffer.flush()
-                history = np.concatenate([[index], state, unknowns])
-                task.course.note(task.time(index), history)
+            if wanted == chunk:
+                note()
     finally:
         buffer.flush()
     return task.statistics(plugin)
