@@ -114,7 +114,7 @@ def limited_system(system: System) -> System:
 
 
 def _with_limits(system: System, name: str | None, chassis: str | None) -> System:
-    """Return it with its limits, by name those of the body that the first wheel hangs on at last."""
+    """Return it with its limits, named after the body that carries the first wheel."""
     wheels = tuple(part for part in system.parts if isinstance(part, RoadWheel))
     if not wheels:
         return system
