@@ -41,6 +41,7 @@ from vehicledyn.analyses.simulation.run_recording import RunRecording
 from vehicledyn.analyses.simulation.standing_wheels import standing_wheels
 from vehicledyn.analyses.simulation.steep_roads import steep_roads
 from vehicledyn.analyses.simulation.track_positions import track_place
+from vehicledyn.analyses.simulation.undamped_constraints import undamped_constraints
 from vehicledyn.analyses.simulation.wanted_outputs import (
     check_run,
     needed_channels,
@@ -127,9 +128,8 @@ def run_scenario(
         notes.extend(filter(None, [start.remark, *rounded_kinks(prepared, start)]))
     notes.extend(standing_wheels(prepared, start))
     notes.extend(kinked_drives(prepared.subject, loaded.scenario.duration))
-    notes.extend(mended_profiles(loaded))
-    notes.extend(steep_roads(loaded))
-    notes.extend(cautions(loaded))
+    notes.extend([*mended_profiles(loaded), *steep_roads(loaded), *cautions(loaded)])
+    notes.extend(undamped_constraints(solver, prepared.equations))
     turns = SingularTurns.of(prepared.subject.system, prepared.equations)
     needed = needed_channels(prepared)
     run = _Run(loaded, prepared, kept, needed, described, recorder, notes, turns, solver)

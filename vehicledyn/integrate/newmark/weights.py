@@ -6,6 +6,7 @@ Computer Methods in Applied Mechanics and Engineering 190, 305-319 (first-order 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
@@ -57,6 +58,19 @@ class Weights:
     def shift(self) -> float:
         """Part of a step by which the acceleration-like a is ahead of its time."""
         return self.alpha_m - self.alpha_f
+
+    @property
+    def left_across_constraints(self) -> float:
+        """Factor that a step of index 3 leaves of errors across constraints: 1 damps none.
+
+        Of velocities and a it is the larger root of β r² + (½ - 2 β + γ) r + ½ + β - γ = 0, as
+        positions stay where they are; of forces αf / (1 - αf).
+        """
+        beta, gamma = self.beta, self.gamma
+        half, rest = 0.5 * (0.5 - 2.0 * beta + gamma), beta * (0.5 + beta - gamma)
+        room = half**2 - rest
+        root = abs(half) + math.sqrt(room) if room > 0.0 else math.sqrt(abs(rest))
+        return max(root / beta, self.alpha_f / (1.0 - self.alpha_f))
 
     @property
     def order(self) -> int:
