@@ -132,7 +132,7 @@ def _print_line(text: str, fraction: float | None = None) -> None:
 
 def _warn(data: LabelledData) -> None:
     """Issue what the notes warn of, and that an analysis is not whole."""
-    for note in data.notes:
+    for note in dict.fromkeys([*data.notes, *getattr(data.report, "notes", ())]):
         if note.startswith(WARNING):
             _issue(note.removeprefix(WARNING), AccuracyWarning)
     if not data.is_whole:

@@ -13,6 +13,7 @@ import numpy as np
 
 from vehicledyn.analyses.hunting.parameter_starts import starting_at
 from vehicledyn.analyses.preparation.build_model import build_subject, manoeuvre_of
+from vehicledyn.analyses.preparation.doubts.bent_beams import WatchedBeams
 from vehicledyn.analyses.preparation.prepare import Point, Vector, prepare, start_point
 from vehicledyn.analyses.preparation.prepared import Derived, Prepared, Progress
 from vehicledyn.analyses.preparation.rate_determinacy import rates_watched
@@ -90,7 +91,8 @@ class Model:
 
     def __post_init__(self) -> None:
         """List the channels to compute: those to keep first, then the others needed."""
-        self.columns = [*self.kept, *(k for k in self.needed if k not in self.kept)]
+        ends = (k for pair in self.beams.columns for k in pair)
+        self.columns = list(dict.fromkeys([*self.kept, *self.needed, *ends]))
 
     @property
     def channels(self) -> list[Channel]:
@@ -151,6 +153,16 @@ class Model:
             return judged_by(case.subject, self.prepared.equations, by_itself=False)
         known = set(watched_channels(self.prepared.equations))
         return Judged([k for k in self.kept if k in known], by_itself=False)
+
+    @cached_property
+    def beams(self) -> WatchedBeams:
+        """The beams whose ends are watched."""
+        return WatchedBeams.of(self.prepared)
+
+    def bends(self, case: Case, samples: Vector) -> dict[str, float]:
+        """Return how far the ends of these beams moved aside in a case, over their lengths."""
+        found = self.beams.bends(lambda k: samples[:, self.columns.index(k)], case.parameters)
+        return {name: float(values.max()) for name, values in found.items()}
 
     @cached_property
     def rates(self) -> RateWatch | None:

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from vehicledyn.analyses.preparation.doubts.bent_beams import LARGE, bent_far
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.base.argument_names import argument, given
 from vehicledyn.base.errors import InputError, NumericalError
@@ -20,6 +21,7 @@ from vehicledyn.kernel.make_kernel import Backend
 from vehicledyn.results.hdf5.output import check_output, write_failed
 from vehicledyn.results.store.study_layout import (
     ACCURACY,
+    BEND,
     FAILED,
     INTERRUPTED,
     OK,
@@ -74,6 +76,11 @@ class SweepOutcome:
     failures: list[tuple[int, float, str]]
     seconds: float
     messages: list[str] = field(default_factory=list)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Remarks and warnings."""
+        return tuple(self.messages)
 
     def as_dict(self) -> dict[str, Any]:
         """Return plain data."""
@@ -243,17 +250,28 @@ class _Run:
 
 
 def _warned(file: StudyFile) -> list[str]:
-    """Return a warning about cases whose step is too long, if there are any."""
-    if ACCURACY not in file.figures:
-        return []
-    found = [k for k, text in enumerate(file.figure_texts(ACCURACY)) if text == "inaccurate"]
-    if not found:
-        return []
+    """Return warnings about cases whose step is too long or whose beams bend too far."""
+    told = []
+    if ACCURACY in file.figures:
+        texts = file.figure_texts(ACCURACY)
+        found = [k for k, text in enumerate(texts) if text == "inaccurate"]
+        if found:
+            told.append(
+                f"warning: the step is too long in {_cases(file, found)}; the figures "
+                "'estimated_error' and 'recommended_step' say how much and what to take"
+            )
+    for name in (name for name in file.figures if name.startswith(BEND)):
+        bends = file.figure(name)
+        found = [int(k) for k in np.flatnonzero(bends > LARGE)]
+        if found:
+            how = f"by up to {bends[found].max():.2g} of its length in {_cases(file, found)}"
+            told.append(bent_far(name.removeprefix(BEND), how))
+    return told
+
+
+def _cases(file: StudyFile, found: list[int]) -> str:
     shown = ", ".join(map(str, found[:MOST_SHOWN])) + (", ..." if len(found) > MOST_SHOWN else "")
-    return [
-        f"warning: the step is too long in {len(found)} of {file.n_cases} cases ({shown}); the "
-        "figures 'estimated_error' and 'recommended_step' say how much and what to take"
-    ]
+    return f"{len(found)} of {file.n_cases} cases ({shown})"
 
 
 def _helpers(

@@ -1,5 +1,6 @@
-"""Runs warn of beams of assumed modes that bend farther than these hold for."""
+"""What shows beams of assumed modes warns where they bend farther than these hold for."""
 
+import warnings
 from contextlib import nullcontext
 
 import pytest
@@ -14,9 +15,9 @@ solver: {kind: rosenbrock, relative_tolerance: 1e-5, absolute_tolerance: 1e-6}
 output: {interval: 10 ms}
 """
 STRIP = """title: A strip with a load at its end
-parameters: {length: 2.2 m}
+parameters: {length: 2.2 m, mass: 2 kg}
 bodies:
-  load: {parent: strip.tip, mass: 2 kg}
+  load: {parent: strip.tip, mass: mass}
 elements:
   strip:
     kind: beam
@@ -48,3 +49,37 @@ def test_only_small_deflections_suit_modes(tmp_path, model, length, warned):
         )
     share = abs(run["strip.tip_z"].values).max() / float(length.split()[0])
     assert share == pytest.approx(0.29 if length == "2.2 m" else 0.12, rel=0.03)
+
+
+@pytest.mark.parametrize(
+    ("analysis", "mass"), [(vd.equilibrium, "5 kg"), (vd.equilibrium, "2 kg"), (vd.modes, "5 kg")]
+)
+def test_points_are_looked_at(tmp_path, analysis, mass):
+    """Where it hangs at rest, by 0.26 of the length, or 0.15."""
+    (tmp_path / "strip.yaml").write_text(STRIP.replace("MODEL", "modes"))
+    with warnings.catch_warnings(record=True) as issued:
+        warnings.simplefilter("always")
+        analysis(vd.load(tmp_path / "strip.yaml"), backend="interpreted", parameters={"mass": mass})
+    told = [str(w.message) for w in issued if w.category is AccuracyWarning]
+    if mass == "2 kg":
+        assert not told
+        return
+    assert len(told) == 1
+    assert "beam 'strip': its end moves aside by 0.26 of its length; " in told[0]
+
+
+SWEEP = """title: Loads at the end of a strip
+scenario: run.yaml
+cases: {kind: grid, vary: {parameters.mass: [1 kg, 2 kg, 3 kg]}}
+output: {figures: false, channels: [energy.*]}
+"""
+
+
+def test_sweeps_count_the_cases(tmp_path):
+    (tmp_path / "strip.yaml").write_text(STRIP.replace("MODEL", "modes"))
+    (tmp_path / "run.yaml").write_text(RUN)
+    (tmp_path / "study.yaml").write_text(SWEEP)
+    with pytest.warns(
+        AccuracyWarning, match=r"by up to 0.3\d of its length in 2 of 3 cases \(1, 2"
+    ):
+        vd.sweep(tmp_path / "study.yaml", backend="interpreted", workers=1)

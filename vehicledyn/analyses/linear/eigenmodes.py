@@ -13,10 +13,11 @@ from vehicledyn.analyse.linearise import Linearisation, linearise
 from vehicledyn.analyse.modes import Mode, eigenmodes
 from vehicledyn.analyse.small_motions import varied_states
 from vehicledyn.analyses.linear.mode_report import ModesAtSpeed, ModesReport
+from vehicledyn.analyses.preparation.doubts.bent_beams import bent_at
+from vehicledyn.analyses.preparation.doubts.points import doubts_at
 from vehicledyn.analyses.preparation.own_speed import at_speed, refuse_idle_speed, speed_matters
 from vehicledyn.analyses.preparation.prepare import Start, prepare, reference_start, start_point
 from vehicledyn.analyses.preparation.prepared import Check, Prepared, Progress
-from vehicledyn.analyses.preparation.rounded_kinks import rounded_kinks
 from vehicledyn.analyses.preparation.steadiness import unsteadiness
 from vehicledyn.analyses.preparation.target_digest import digests_to_keep
 from vehicledyn.base.argument_names import given
@@ -171,8 +172,10 @@ def _modes_at(
         derivatives=prepared.derivatives,
     )
     remarks = [] if kind == "steady" else [unsteadiness(prepared, point)]
-    if kind != "nominal":
-        remarks += [point.remark, *rounded_kinks(prepared, point)]
+    if kind == "nominal":
+        remarks += bent_at(prepared, point)
+    else:
+        remarks += [point.remark, *doubts_at(prepared, point)]
     remark = "\n".join(filter(None, remarks))
     return ModesAtSpeed(speed, eigenmodes(linear.matrix, linear.names), "", remark), linear
 

@@ -51,6 +51,11 @@ class ModesReport:
     table: ModeTable
     has_speed: bool = True
 
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Remarks and warnings of all cases."""
+        return tuple(line for entry in self.speeds for line in entry.remark.splitlines())
+
     def as_text(self) -> str:
         """Return a table of modes for each case."""
         pairs = zip(self.speeds, self.table.cases, strict=True)

@@ -17,6 +17,7 @@ from vehicledyn.analyses.linear.held_speed import held_speed_point
 from vehicledyn.analyses.linear.input_names import InputPart, ModelInput, hint
 from vehicledyn.analyses.linear.linear_inputs import Excited
 from vehicledyn.analyses.linear.response_report import ResponseReport
+from vehicledyn.analyses.preparation.doubts.bent_beams import bent_at
 from vehicledyn.analyses.preparation.own_speed import at_speed, refuse_idle_speed
 from vehicledyn.analyses.preparation.prepare import Point, prepare
 from vehicledyn.analyses.preparation.prepared import Derived, Prepared, Progress
@@ -266,6 +267,8 @@ def _report(
 
             gain = float(table.static_gain[i, k])
             figures[i, k] = key_figures(magnitude, table.frequency, gain, poles)
+    point = (model.prepared, model.point)
+    remarks = [unsteadiness(*point), *bent_at(*point)]
     return ResponseReport(
         table=table,
         figures=figures,
@@ -273,7 +276,7 @@ def _report(
         response_at=system.response(np.array(at)) if len(at) else np.zeros((0, 0, 0)),
         growing=sum(m.eigenvalue.real > _GROWS for m in modes),
         undamped=tuple(f for f in undamped if table.frequency[0] <= f <= table.frequency[-1]),
-        remark=unsteadiness(model.prepared, model.point),
+        remark="\n".join(filter(None, remarks)),
     )
 
 

@@ -30,6 +30,11 @@ class ResponseReport:
     undamped: tuple[float, ...]
     remark: str
 
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Remarks and warnings."""
+        return tuple(self.remark.splitlines())
+
     def as_text(self) -> str:
         """Return key figures and a few rows for each input and output."""
         return "\n".join([self._head(), *(line for pair in self._pairs() for line in pair)])

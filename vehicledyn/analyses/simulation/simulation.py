@@ -13,6 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.analyses.preparation.doubts.bent_beams import BentBeams
+from vehicledyn.analyses.preparation.doubts.rounded_kinks import rounded_kinks
 from vehicledyn.analyses.preparation.mass_checks import (
     constraint_notes,
     hardly_resisted,
@@ -20,10 +22,8 @@ from vehicledyn.analyses.preparation.mass_checks import (
 from vehicledyn.analyses.preparation.model_hash import model_hash
 from vehicledyn.analyses.preparation.prepare import Point
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress
-from vehicledyn.analyses.preparation.rounded_kinks import rounded_kinks
 from vehicledyn.analyses.preparation.sources import sources_of
 from vehicledyn.analyses.simulation.animation_recorder import Recorder, surroundings_of
-from vehicledyn.analyses.simulation.bent_beams import BentBeams
 from vehicledyn.analyses.simulation.cautions import cautions
 from vehicledyn.analyses.simulation.chosen_step import leaves_step, with_step
 from vehicledyn.analyses.simulation.judgement import judged_by

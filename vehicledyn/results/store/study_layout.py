@@ -36,6 +36,9 @@ RUNNING, OK, INTERRUPTED, STOPPED = "running", "ok", "interrupted", "failed"
 ACCURACY = "accuracy"
 """Name of the figure, a text, that says how accurate a case with a fixed step is."""
 
+BEND = "largest_bend."
+"""Begins the figures that say how far the end of a beam of assumed modes moved aside."""
+
 REASON_BYTES = 240
 TEXT_BYTES = 40
 NAME_BYTES = 96

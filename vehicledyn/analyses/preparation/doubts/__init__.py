@@ -1,0 +1,1 @@
+"""What makes points and motions doubtful: what a model leaves out, or rounds."""
