@@ -48,7 +48,8 @@ def figure_slope(kind: str, time: Floats, values: Floats, slopes: Floats) -> Fig
     slopes
         Their derivatives, shape (n_times, n_directions).
     """
-    found = KINDS[kind](time, values, slopes)
+    with np.errstate(over="ignore", invalid="ignore"):  # what is not finite is reported
+        found = KINDS[kind](time, values, slopes)
     if found.trouble or (np.isfinite(found.value) and np.isfinite(found.slope).all()):
         return found
     lost = np.flatnonzero(~(np.isfinite(values) & np.isfinite(slopes).all(axis=1)))

@@ -35,7 +35,8 @@ class Columns:
     """Columns of a file by name: numbers in SI and texts, line by line.
 
     An empty cell is None in ``texts`` and not a number in ``numbers``. ``lines`` are the numbers
-    of the lines in the file, and ``places`` those of the columns in it, both from one.
+    of the lines in the file, and ``places`` those of the columns in it, both from one; ``others``
+    are heads of columns that are passed over.
     """
 
     file: str
@@ -44,6 +45,7 @@ class Columns:
     numbers: dict[str, list[float]] = field(default_factory=dict)
     texts: dict[str, list[str | None]] = field(default_factory=dict)
     starts: list[list[int]] = field(default_factory=list)
+    others: list[str] = field(default_factory=list)
 
     def problem(self, row: int, name: str, words: str) -> Problem:
         """Return the problem that the value of a row and column is."""
@@ -52,7 +54,7 @@ class Columns:
         return Problem(self.file, Mark(self.lines[row], column), name, words)
 
 
-def read_columns(path: Path, known: Mapping[str, Column]) -> Columns:
+def read_columns(path: Path, known: Mapping[str, Column], *, is_open: bool = False) -> Columns:
     """Return the columns of a file.
 
     Parameters
@@ -61,6 +63,8 @@ def read_columns(path: Path, known: Mapping[str, Column]) -> Columns:
         The file, UTF-8 text.
     known
         Columns that it may have.
+    is_open
+        Whether it may have others too, which are passed over.
 
     Raises
     ------
@@ -69,9 +73,10 @@ def read_columns(path: Path, known: Mapping[str, Column]) -> Columns:
         problem with file, line and column.
     """
     lines = _lines(path)
-    columns, separator, begin = _head(str(path), lines, known)
+    columns, separator, begin = _head(str(path), lines, known, is_open=is_open)
     problems: list[Problem] = []
-    factors = {name: _factor(item) for name, item in _heads(lines[begin - 1], separator)}
+    heads = _heads(lines[begin - 1], separator)
+    factors = {name: _factor(unit) for name, unit in heads if name in columns.places}
     for number in range(begin, len(lines)):
         text = lines[number].partition("#")[0]
         if not text.strip(" \t,;"):
@@ -99,8 +104,9 @@ def _taken(
     columns.lines.append(line)
     columns.starts.append([start for start, _ in cells] or [1])
     row = len(columns.lines) - 1
-    if len(cells) > len(columns.places):
-        words = f"{len(cells)} values, but the head names {len(columns.places)} columns"
+    width = len(columns.places) + len(columns.others)
+    if len(cells) > width:
+        words = f"{len(cells)} values, but the head names {width} columns"
         problems.append(Problem(columns.file, Mark(line, cells[-1][0]), "", words))
     for name, place in columns.places.items():
         text = cells[place - 1][1] if place <= len(cells) else ""
@@ -126,7 +132,9 @@ def _number(text: str) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def _head(file: str, lines: list[str], known: Mapping[str, Column]) -> tuple[Columns, str, int]:
+def _head(
+    file: str, lines: list[str], known: Mapping[str, Column], *, is_open: bool
+) -> tuple[Columns, str, int]:
     """Return empty columns, what parts them, and the number of the line that names them."""
     begin = next((k for k, line in enumerate(lines) if line.partition("#")[0].strip()), None)
     if begin is None:
@@ -137,6 +145,9 @@ def _head(file: str, lines: list[str], known: Mapping[str, Column]) -> tuple[Col
     for place, (start, cell) in enumerate(_cells(text, separator), 1):
         mark = Mark(begin + 1, start)
         name, unit = _name_and_unit(cell) or (cell, None)
+        if is_open and name not in known:
+            columns.others.append(name)
+            continue
         wrong = _wrong_head(name, unit, known)
         if name in columns.places:
             wrong = f"the column '{name}' is there twice"

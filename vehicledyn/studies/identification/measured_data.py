@@ -55,11 +55,12 @@ def read_signals(path: Path, time: str, signals: Sequence[Signal]) -> list[tuple
         return _of_matlab(path, time, signals)
     known = {time: Column("s", required=True)}
     known |= {signal.column: Column(signal.unit, required=False) for signal in signals}
-    table = read_columns(path, known)
+    table = read_columns(path, known, is_open=True)
     for signal in signals:
         if signal.given_unit is not None:
             raise InputError(f"{path}: the head of a CSV file states units; leave 'unit' out")
-        _require(path, signal.column, table.numbers)
+        if signal.column not in table.numbers:
+            _require(path, signal.column, table.others)
     times = np.array(table.numbers[time])
     return [(times, np.array(table.numbers[signal.column])) for signal in signals]
 

@@ -23,7 +23,7 @@ from vehicledyn.base.errors import InputError, NumericalError, nearest_name
 from vehicledyn.base.step_memory import Memory
 from vehicledyn.base.units import to_si
 from vehicledyn.results.store.linear_file import Quantity
-from vehicledyn.studies.optimisation.file import Limit, OptimisationStudy
+from vehicledyn.studies.optimisation.file import Limit, OptimisationStudy, Variable
 from vehicledyn.studies.optimisation.scatter import Scatter, combined
 
 Floats = NDArray[np.float64]
@@ -105,19 +105,24 @@ class Problem:
             for k in places
         )
         values = first.kernel.parameters[places]
-        self.low, self.high = (
-            np.array([_si(v, e.parameters[k].unit, study, side) for v, k in zip(
-                [getattr(item, side) for item in study.variables], places, strict=True)])
-            for side in ("low", "high")
-        )  # fmt: skip
-        starts = [
-            value if v.start is None else _si(v.start, e.parameters[k].unit, study, "start")
-            for v, k, value in zip(study.variables, places, values, strict=True)
-        ]
-        self.start = np.array(starts)
+        self.low, self.high, self.start = np.array(
+            [
+                self._bounds(item, about.unit, float(value))
+                for item, about, value in zip(study.variables, self.variables, values, strict=True)
+            ]
+        ).T
         self._check_bounds()
         self.units: dict[str, str] = {}
         self.n_known = kept.n_known
+
+    def _bounds(self, item: Variable, unit: str, default: float) -> list[float]:
+        """Return lower and upper bound and start of a variable, in SI."""
+        given = {"from": item.low, "to": item.high, "start": item.start}
+        where = f"variables.{item.name}"
+        return [
+            default if value is None else _si(value, unit, self._study, f"{where}.{key}")
+            for key, value in given.items()
+        ]
 
     def _check_bounds(self) -> None:
         for item, low, high, start in zip(
@@ -224,10 +229,18 @@ class Problem:
         found = []
         for limit in (*self._study.limits, *further):
             unit = self.units.get(limit.figure, "1")
-            for value, sign in ((limit.at_least, 1.0), (limit.at_most, -1.0)):
-                if value is not None:
-                    number = _si(value, unit, self._study, limit.figure)
-                    found.append((limit.figure, sign, number))
+            field = f"constraints.{limit.figure}"
+            sides = [
+                (limit.figure, sign, _si(value, unit, self._study, f"{field}.{key}"))
+                for value, sign, key in (
+                    (limit.at_least, 1.0, "at_least"),
+                    (limit.at_most, -1.0, "at_most"),
+                )
+                if value is not None
+            ]
+            if len(sides) > 1 and sides[0][2] > sides[1][2]:
+                raise InputError(f"{self._study.path}: {field}: at_least is above at_most")
+            found += sides
         return found
 
     def idle(self) -> list[str]:
