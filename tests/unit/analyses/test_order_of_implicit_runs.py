@@ -82,3 +82,32 @@ def test_order_two_of_positions_velocities_and_forces(models, exact, kind, radiu
     # Multipliers of index 3 hold the rounding of gaps over β Δt², 1e-7 N with the finest steps.
     forces = slopes[:2, 2:] if how == "index3" else slopes[:, 2:]
     assert forces == pytest.approx(2.0, abs=0.05)
+
+
+@pytest.mark.parametrize("kind", ["newmark", "generalised_alpha"])
+def test_order_two_through_changes_of_the_partition(models, kind):
+    """Changes at 0.66 and 1.09 s: where they are does not depend on where the run is looked at."""
+    system, kernel = models["partitioning"]
+    state, unknowns = begin(kernel, kernel)
+    names = [c.name for c in kernel.equations.channels]
+    ends, times = [], []
+    accurate = {"relative_tolerance": 1e-12, "absolute_tolerance": 1e-12}
+    for method, given in (
+        ("dop853", accurate),
+        *((kind, {"step": 1.2 / n}) for n in (2560, 5120)),
+    ):
+        samples, changes = Samples(), []
+        simulate_watched(
+            system, kernel, find("solver", method)(**given), state=state, unknowns=unknowns,
+            start=0.0, stop=1.2, interval=0.12, sink=samples, progress=lambda *_: None,
+            happened=lambda _, time, found=changes: found.append(time),
+        )  # fmt: skip
+        ends.append(dict(zip(names, samples.outputs[-1], strict=True)))
+        times.append(changes)
+    assert times[1] == pytest.approx(times[2], abs=1e-3)
+    assert len(times[1]) == 2
+    errors = [
+        [max(abs(end[n] - ends[0][n]) for n in names if n.endswith("." + k)) for k in KINDS]
+        for end in ends[1:]
+    ]
+    assert np.log2(np.divide(*errors)) == pytest.approx(2.0, abs=0.05)

@@ -192,7 +192,11 @@ class PartitionChanges:
         return found if found.best_leverage < _GAIN * leverage else None
 
     def first_better(self, before: Sample | None, stop: float) -> tuple[Sample, Comparison] | None:
-        """Return the first step between two looks at which other coordinates do clearly better."""
+        """Return the first step between two looks at which other coordinates do clearly better.
+
+        Steps at which determinants come below a level, which are the same with all sizes of steps,
+        are looked at first.
+        """
         step = self.plan.step
         if before is None or step is None:
             return None
@@ -200,7 +204,8 @@ class PartitionChanges:
         count = max(1, round((stop - before.time) / step))
         with suppress(NumericalError):
             self._follow(before, stop, count, rows)
-        for near in rows[1:count]:
+        between = rows[1:count]
+        for near in [*self.log.at_levels(between), *between]:
             found = self.better(near, self.leverage)
             if found is not None and near.time > self.changed_at:
                 self.refuse_late(near, found)

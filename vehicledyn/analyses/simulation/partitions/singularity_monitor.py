@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -43,6 +44,9 @@ steps of a fixed size, whose errors grow with a power of it, at regular constrai
 _SHORTER = 0.7
 """Part of the longest step since the last that was looked at below which one is looked at."""
 _AGAIN = 0.8
+"""Ratio of the levels of the determinants, from HARMLESS down, at which others are looked at: the
+same with all steps, so that changes of partitions converge as steps get shorter."""
+_LEAST = 1e-300
 _AHEAD = 1024
 """Samples whose pivots are looked at together."""
 _MOST_HELD = 512
@@ -256,13 +260,25 @@ class PivotLog:
     def _try_others(self, sample: Sample, share: float) -> None:
         if share >= HARMLESS:
             self._tried = np.inf
-        # A partition that gets weaker and weaker is looked at again at a part of the determinant.
-        if share < min(HARMLESS, _AGAIN * self._tried):
+        # A partition that gets weaker and weaker is looked at again at the next level.
+        if share < _level_below(self._tried):
             comparison = self._better(sample, self._leverage)
             if comparison is not None:
                 before = self._without_latest()
                 raise Degrading(sample, comparison, before)
             self._tried = share
+
+    def at_levels(self, samples: Sequence[Sample]) -> list[Sample]:
+        """Return those at which the determinants come below a level, behind the last look."""
+        if self._last is None or not samples:
+            return list(samples)
+        shares = (np.abs(self._pivots(samples)) / self._last.scale).prod(axis=1)
+        found, tried = [], self._tried
+        for sample, share in zip(samples, shares, strict=True):
+            if share < _level_below(tried):
+                found.append(sample)
+                tried = float(share)
+        return found
 
     def _without_latest(self) -> Sample | None:
         """Hand on all samples but the latest, and return the one before it."""
@@ -354,3 +370,11 @@ class PivotLog:
     def _looked_at(self, sample: Sample, values: Vector) -> LastLook:
         """Return the look at a sample, of which nothing was known before."""
         return LastLook(sample.time, values, self._rates(sample), np.abs(values))
+
+
+def _level_below(share: float) -> float:
+    """Return the next level below a product of parts of determinants."""
+    if share >= HARMLESS:
+        return HARMLESS
+    passed = math.floor(math.log(max(share, _LEAST) / HARMLESS) / math.log(_AGAIN))
+    return float(HARMLESS * _AGAIN ** (passed + 1))
