@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import vehicledyn as vd
-from vehicledyn.base.errors import AccuracyWarning, InputError
+from vehicledyn.base.errors import AccuracyWarning, InputError, NumericalError, UnfinishedWarning
 
 SCENARIO = "scenarios/systems/slider_crank.yaml"
 SPEED = 60.0
@@ -96,6 +96,22 @@ def test_a_corner_has_no_derivative():
     assert list(found["time"].values[lost[:, 0]]) == pytest.approx([0.15])
     assert not lost[:, 1].any()
     assert np.isnan(found["figure_slope"].values[-1]).all()
+
+
+HIGHEST = "radius + rod - 20 mm"
+SWING = {"kind": "sine", "amplitude": "20 mm", "frequency": "50 Hz", "offset": HIGHEST}
+TURNING_BACK = {"slider.position": SWING}
+
+
+def test_a_dead_centre_that_is_just_reached_has_no_forces():
+    """The slider turns back at 5 ms where nothing says which way the crank goes on."""
+    given = {"set": {"motion": TURNING_BACK}, "duration": "6 ms"}
+    words = r"singular place of block 'pin' at t = 0\.005 s|did not converge"
+    with pytest.warns(UnfinishedWarning, match=words):
+        forces = vd.inverse(SCENARIO, **given)
+    assert len(forces.time) == 10
+    with pytest.raises(NumericalError, match=words):
+        vd.sensitivity(SCENARIO, "inverse(slider.position_force)", **given)
 
 
 @pytest.mark.parametrize(
