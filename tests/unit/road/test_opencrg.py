@@ -44,6 +44,15 @@ def test_heights_are_bilinear_in_every_format(tmp_path, code, ending):
     assert got.height(*places.T) == pytest.approx(exact(places), abs=tolerance)
 
 
+def test_the_mark_of_an_editor_at_the_begin_has_no_effect(tmp_path):
+    content = crg(HEIGHTS, code="LRFI")
+    plain, marked = (
+        CrgRoad.read(written(tmp_path, mark + content), modifiers={})
+        for mark in (b"", b"\xef\xbb\xbf")
+    )
+    assert marked.height(3.3, 0.2) == plain.height(3.3, 0.2)
+
+
 def test_slope_and_bank_lift_the_grid(tmp_path):
     got = road(tmp_path, np.zeros((12, 7)), slope=SLOPE, bank=BANK)
     u, v = np.array([0.0, 2.5, 7.25]), np.array([1.0, -1.2, 0.5])

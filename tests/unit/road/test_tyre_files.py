@@ -138,6 +138,15 @@ def test_all_problems_at_once(write):
     assert "4 problems" in refused(write(PDX1="x", PCX1=0, PKX1=None, FNOMIN=0))
 
 
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "latin-1"])
+def test_marks_of_editors_at_the_ends_of_a_text_have_no_effect(write, encoding):
+    path = write()
+    plain = read_tyre_file(path).values
+    text = path.read_text(encoding="latin-1")
+    path.write_bytes(text.encode(encoding) + (b"\x1a" if encoding == "latin-1" else b""))
+    assert read_tyre_file(path).values == plain
+
+
 def test_what_is_no_text(tmp_path):
     path = tmp_path / "a.tir"
     path.write_bytes(b"\x7fELF\0\0\1")

@@ -8,7 +8,7 @@ from pathlib import Path
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.files.whole_file import write_whole
 from vehicledyn.results.hdf5.output import write_failed
-from vehicledyn.road.tyre_files.lines import read_lines
+from vehicledyn.road.tyre_files.lines import read_lines, read_text
 from vehicledyn.road.tyre_files.names import ALIASES, coefficients
 
 
@@ -23,7 +23,7 @@ def write_fitted(source: Path, values: dict[str, float], target: Path) -> None:
     if target.suffix != ".tir":
         raise InputError(f"{target}: a fitted tyre is a tyre property file; end its name in .tir")
     entries, _ = read_lines(source)
-    lines = source.read_text(encoding="latin-1").splitlines()
+    lines = read_text(source).splitlines()
     missing = dict(values)
     for entry in entries:
         name = ALIASES.get(entry.name, entry.name)

@@ -7,6 +7,7 @@ The format is that of ASAM OpenCRG 1.2: blocks begin with a line ``$NAME``, sett
 
 from __future__ import annotations
 
+import codecs
 import math
 import re
 from dataclasses import dataclass, field
@@ -81,7 +82,7 @@ class Header:
 def read_header(content: bytes, source: str) -> Header:
     """Return the header of a file's content; ``problems`` lists all that is wrong with it."""
     header = Header(source)
-    block, start = "", 0
+    block, start = "", len(codecs.BOM_UTF8) if content.startswith(codecs.BOM_UTF8) else 0
     while start < len(content) and not header.has_data:
         end = min(
             (at for at in (content.find(b"\n", start), content.find(b"\r", start)) if at >= 0),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -12,6 +13,16 @@ from vehicledyn.base.problems import Mark, Problem, refusal
 
 LARGEST_FILE = 2_000_000
 """Most bytes that are read of a tyre property file; usual ones have 20 kB."""
+
+_MARKS = {
+    codecs.BOM_UTF8: "utf-8-sig",
+    codecs.BOM_UTF16_LE: "utf-16",
+    codecs.BOM_UTF16_BE: "utf-16",
+}
+"""What a file begins with in another encoding than Latin-1."""
+
+_END = b"\x1a"
+"""End of a text of DOS."""
 
 _SECTION = re.compile(r"\[\s*([^\]]+?)\s*\]")
 _TABLES = ("SHAPE", "DEFLECTION_LOAD_CURVE", "BOTTOMING_CURVE", "COMMENTS")
@@ -28,6 +39,23 @@ class Entry:
     line: int
 
 
+def read_text(path: Path) -> str:
+    """Return the text of a tyre property file, without the marks that editors put at its ends.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, is too large or no text.
+    """
+    content = read_regular(path, LARGEST_FILE).rstrip(_END)
+    encoding = next((name for mark, name in _MARKS.items() if content.startswith(mark)), "latin-1")
+    text = content.decode(encoding, errors="replace")
+    if "\0" in text:
+        words = "this is a binary file; a tyre property file (.tir) is text"
+        raise refusal([Problem(str(path), Mark(1, 1), "", words)], str(path))
+    return text
+
+
 def read_lines(path: Path) -> tuple[list[Entry], list[Problem]]:
     """Return the entries of a tyre property file, and the problems of its lines.
 
@@ -36,13 +64,10 @@ def read_lines(path: Path) -> tuple[list[Entry], list[Problem]]:
     InputError
         If the file cannot be read, is too large or no text.
     """
-    content = read_regular(path, LARGEST_FILE)
-    if b"\0" in content:
-        words = "this is a binary file; a tyre property file (.tir) is text"
-        raise refusal([Problem(str(path), Mark(1, 1), "", words)], str(path))
+    text = read_text(path)
     entries: list[Entry] = []
     problems: list[Problem] = []
-    for item in _entries(content.decode("latin-1"), str(path)):
+    for item in _entries(text, str(path)):
         (entries if isinstance(item, Entry) else problems).append(item)  # type: ignore[arg-type]
     if not entries and not problems:
         words = "no 'NAME = value' lines; is this a tyre property file (.tir)?"
