@@ -83,6 +83,11 @@ def test_a_motor_ends_the_diagram_at_full_throttle():
     assert not found.lost
     assert found.ends[-1] == FULL_THROTTLE
     assert found.longitudinal[-1] == pytest.approx(3.43, abs=0.05)
+    # Its discs stick: the inner rear wheel locks, where the diagram ended at 2.23 and 5.38.
+    rows = zip(found.longitudinal, zip(found.lateral, found.locked, strict=True), strict=True)
+    at, rear = dict(rows), "car.rear_axle.wheel_left"
+    assert at[-3.0] == (pytest.approx(6.44, abs=0.05), (rear,))
+    assert at[-6.0] == (pytest.approx(4.98, abs=0.05), ("car.front_axle.wheel_left", rear))
 
 
 def test_the_yaw_moment_diagram_is_found_as_far_as_the_drive_holds_the_speed():

@@ -10,12 +10,15 @@ against the turn at side-slip angles that grow. There the diagram ends. Each poi
 
 from __future__ import annotations
 
+import itertools
+import operator
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.analyses.handling.standing_wheel import with_wheel_standing
 from vehicledyn.analyses.handling.steady_turn import (
     FULL_THROTTLE,
     POWER_SLIDE,
@@ -52,8 +55,8 @@ _LOCKED, _BACKWARDS = -0.9, -1.1
 _NEARLY_FULL = 0.95
 """Throttle from which on a limit is that of the drive [1]."""
 
-_LATER_TRIES = 6
-"""About how many turns braking is tried from that comes later than the turn."""
+_OTHER_TRIES = 6
+"""About how many turns of another braking are tried."""
 
 _ASIDE = 0.1
 """Most that the side-slip angle leaps by where a wheel locks [rad]; further off is another turn."""
@@ -124,23 +127,21 @@ def acceleration_limits(
     lost = []
     for direction, words in ((-1.0, "braking"), (1.0, "driving")):
         size, point = 0.0, solver.straight(speed)
-        across: TurnPath | None = None
+        turns: dict[float, TurnPath] = {}
         while True:
-            along = direction * size
-            if along or direction > 0.0:
-                before, across = across, _across(solver, speed, along, point)
-                if direction < 0.0 and before is not None:
-                    across = _braked_later(
-                        solver, speed, size, step=step, across=across, before=before
-                    )
-                found.append(_limit(solver, across, along, speed))
-                if across.is_lost:
-                    further = _FURTHER % across.values[-1]
-                    lost.append(f"{words} at {size:g} m/s^2: {further} across the path")
+            if size or direction > 0.0:
+                turns[size] = _across(solver, speed, direction * size, point)
             path = _straight(solver, speed, direction, (size, point), step)
             size, point = path.values[-1], path.points[-1]
             if path.end != "found":
                 break
+        if direction < 0.0:
+            turns = _further_braked(solver, speed, turns)
+        for braked, across in turns.items():
+            found.append(_limit(solver, across, direction * braked, speed))
+            if across.is_lost:
+                further = _FURTHER % across.values[-1]
+                lost.append(f"{words} at {braked:g} m/s^2: {further} across the path")
         found.append((direction * size, 0.0, _reason(solver, path), "", ()))
         if path.is_lost:
             lost.append(f"{words}: {_FURTHER % size} along the path")
@@ -195,8 +196,9 @@ def _turn(speed: float, lateral: float, along: float) -> Turn:
     return Turn(speed, "lateral_acceleration", lateral, along)
 
 
-def _braking(speed: float, lateral: float) -> TurnOf:
-    return lambda size: _turn(speed, lateral, -size)
+def _braking(speed: float, lateral: float, first: float, sign: float) -> TurnOf:
+    """Return turns of a value that grows from a first braking, which grows or falls from it."""
+    return lambda value: _turn(speed, lateral, -(first + sign * (value - first)))
 
 
 def _across(solver: SteadyTurn, speed: float, along: float, straight: CarPoint) -> TurnPath:
@@ -233,36 +235,52 @@ def _on(
     return path
 
 
-def _braked_later(
-    solver: SteadyTurn,
-    speed: float,
-    size: float,
-    *,
-    step: float,
-    across: TurnPath,
-    before: TurnPath,
+def _further_braked(
+    solver: SteadyTurn, speed: float, turns: dict[float, TurnPath]
+) -> dict[float, TurnPath]:
+    """Return the turns that go furthest across, of braking sizes that grow [m/s²].
+
+    A car that turns first and then brakes locks no wheel where loads and slips of the turn keep it
+    from that; one that has braked harder has it locked already. So each size is also reached from
+    the turns of less braking, and then of more.
+    """
+    turns = dict(turns)
+    for sizes in (list(turns), list(turns)[::-1]):
+        for known, wanted in itertools.pairwise(sizes):
+            turns[wanted] = _braked_from(solver, speed, (known, wanted), turns)
+    return turns
+
+
+def _braked_from(
+    solver: SteadyTurn, speed: float, sizes: tuple[float, float], turns: dict[float, TurnPath]
 ) -> TurnPath:
     """Return the turns of a braking acceleration that go furthest across.
 
-    ``across`` are those where the car brakes and then turns; ``before`` those with less braking by
-    a step. From their furthest turns it brakes as hard at a held lateral acceleration, without a
-    wheel that locks where loads and slips of the turn keep it from that.
+    They are those known, or such as are reached from the furthest turns of another braking, held at
+    their lateral acceleration: from turns that go further across, or have more wheels locked, with
+    which the car may turn on; also where no limit showed.
     """
-    turns = list(zip(before.values, before.points, strict=True))[::-1]
-    for lateral, point in turns[:: max(1, len(turns) // _LATER_TRIES)]:
-        if lateral <= across.values[-1]:
+    known, wanted = sizes
+    across, last = turns[wanted], known + abs(wanted - known)
+    ends = (set(_locked(solver, turns[size].points[-1])) for size in (known, wanted))
+    is_more_locked = operator.gt(*ends)
+    others = list(zip(turns[known].values, turns[known].points, strict=True))[::-1]
+    for lateral, point in others[:: max(1, len(others) // _OTHER_TRIES)]:
+        if lateral <= across.values[-1] and not (is_more_locked or across.is_lost):
             break
         braked = followed(
             solver,
-            _braking(speed, lateral),
-            (size - step, point),
-            size,
-            step=step,
+            _braking(speed, lateral, known, 1.0 if wanted > known else -1.0),
+            (known, point),
+            last,
+            step=last - known,
             smallest=_SMALLEST_LATER,
         )
         if braked.end == "found":
-            further = _on(solver, speed, -size, lateral, braked.points[-1])
-            return further if further.values[-1] > across.values[-1] else across
+            further = _on(solver, speed, -wanted, lateral, braked.points[-1])
+            gained = further.values[-1] - across.values[-1]
+            shows_more = across.is_lost and not further.is_lost and gained > -_SMALLEST_STEP
+            return further if gained > 0.0 or shows_more else across
     return across
 
 
@@ -282,10 +300,8 @@ def _with_one_locked(
     for corner in sorted(car.vehicle.corners, key=lambda corner: growth[corner.name]):
         if growth[corner.name] > -least or corner.name in before:
             continue
-        state = point.state.copy()
-        state[car.state(f"{corner.spin}_rate")] = 0.0
         try:
-            locked = solver.find(turn, CarPoint(state, point.unknowns, point.parameters))
+            locked = with_wheel_standing(solver, turn, point, corner)
         except NumericalError:
             continue
         if set(_locked(solver, locked)) != {*before, corner.name}:

@@ -20,10 +20,10 @@ from vehicledyn.road.manoeuvres.speed_control import SpeedControl
 
 Vector = NDArray[np.float64]
 
-_BALANCED = 1e-7
+BALANCED = 1e-7
 """Largest acceleration that counts as balanced [m/s², rad/s²]."""
 
-_ITERATIONS = 15
+ITERATIONS = 15
 
 _SHAFT_STEPS = 3
 """Steps towards shafts that turn with their wheels; between them couplings slip or stick."""
@@ -134,12 +134,12 @@ class SteadyTurn:
         )
 
     def _balance(self, turn: Turn, guess: CarPoint) -> CarPoint:
-        search = _Search(self._equations, turn, guess)
+        search = self.search(turn, guess)
         found = solve_damped(
             search.evaluate,
             self.unknowns(turn, guess),
-            tolerance=_BALANCED,
-            max_iterations=_ITERATIONS,
+            tolerance=BALANCED,
+            max_iterations=ITERATIONS,
             persistent=False,
         )
         if not found.solved:
@@ -187,7 +187,7 @@ class SteadyTurn:
         last: tuple[float, CarPoint],
         most: float,
     ) -> tuple[float, CarPoint] | None:
-        search = _Search(self._equations, turn(last[0]), last[1])
+        search = self.search(turn(last[0]), last[1])
         rows = [np.append(self.unknowns(turn(v), point), v) for v, point in (before, last)]
         scale = np.maximum(np.abs(rows).max(axis=0), LEAST_SIZE)
         secant = (rows[1] - rows[0]) / scale
@@ -201,7 +201,7 @@ class SteadyTurn:
 
     @staticmethod
     def _beyond_along(
-        search: _Search, turn: TurnOf, last: Vector, way: Vector, *, scale: Vector, highest: float
+        search: Search, turn: TurnOf, last: Vector, way: Vector, *, scale: Vector, highest: float
     ) -> tuple[float, CarPoint] | None:
         """Return the next turn and its value by a way in the scale of the unknowns."""
         length = float(np.linalg.norm(way))
@@ -216,8 +216,8 @@ class SteadyTurn:
                 found = solve_damped(
                     evaluate,
                     ahead,
-                    tolerance=_BALANCED,
-                    max_iterations=_ITERATIONS,
+                    tolerance=BALANCED,
+                    max_iterations=ITERATIONS,
                     persistent=False,
                 )
             except NumericalError:
@@ -229,11 +229,15 @@ class SteadyTurn:
                 return value, search.point(found.point[:-1])
         return None
 
+    def search(self, turn: Turn, point: CarPoint) -> Search:
+        """Return the search for a turn that begins at a point."""
+        return Search(self._equations, turn, point)
+
     def orientation(self, turn: Turn, point: CarPoint) -> int:
         """Return the sign of the Jacobian's determinant, which changes where a curve comes back."""
 
         def sign() -> int:
-            search = _Search(self._equations, turn, point)
+            search = self.search(turn, point)
             return int(np.linalg.slogdet(search.evaluate(self.unknowns(turn, point))[1])[0])
 
         return self.car.memory.recall("orientation", (turn, point), sign)
@@ -247,7 +251,7 @@ class SteadyTurn:
         """
 
         def growth() -> list[float]:
-            search = _Search(self._equations, turn, point)
+            search = self.search(turn, point)
             jacobian = search.evaluate(self.unknowns(turn, point))[1]
             wanted = np.append(np.zeros(len(jacobian) - 1), 1.0)
             way = np.linalg.lstsq(jacobian, wanted, rcond=None)[0]
@@ -317,7 +321,7 @@ def solver_for(car: TestedCar) -> SteadyTurn:
     return solver
 
 
-class _Search:
+class Search:
     """Residual and Jacobian of the search for one turn; the loops stay closed on the way."""
 
     def __init__(self, equations: TurnEquations, turn: Turn, start: CarPoint) -> None:
