@@ -196,8 +196,7 @@ def _constrained(derivation: Derivation, equations: Equations) -> ConstrainedEqu
     given = _given_accelerations(d.symbols, d.roles, motion.loads)
     names = [equations.states[k].name for k in equations.positions]
     free = {name: ops.symbol(f"{name}_acceleration") for name in names}
-    accelerations = {**given, **free}
-    problem = _problem(d.system, d.symbols, d.roles, motion, accelerations)
+    problem = _problem(d.system, d.symbols, d.roles, motion, {**given, **free})
     unsolved = Unsolved(
         d.system,
         d.symbols,
@@ -206,7 +205,7 @@ def _constrained(derivation: Derivation, equations: Equations) -> ConstrainedEqu
         problem=problem,
         accelerations=free,
         given=given,
-        solved=_solved(problem, motion, accelerations),
+        solved=_solved(problem, motion, {**given, **free}),
         finished=Replacement(d.symbols, d.moved),
     )
     return residual_form(unsolved, equations)
