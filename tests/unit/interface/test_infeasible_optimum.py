@@ -17,6 +17,7 @@ bodies:
   mass: {joints: [{kind: T1, name: slide}], mass: 1 kg, inertia: [0, 0, 0]}
 sensors:
   gain: {kind: expression, value: x, unit: m}
+  twin: {kind: expression, value: x, unit: m}
   other: {kind: expression, value: y, unit: "1"}
 """
 SCENARIO = """\
@@ -26,14 +27,17 @@ duration: 10 ms
 solver: {kind: rk4, step: 10 ms}
 output: {interval: 10 ms}
 """
-STUDY = """\
+LIMITS = """\
+  final(gain): {at_least: 3 m}
+  final(twin): {at_most: 2 m}
+"""
+STUDY = f"""\
 title: Contradiction
 scenarios: run.yaml
-variables: {x: {from: 0 m, to: 4 m}, y: {from: 0, to: 1}}
+variables: {{x: {{from: 0 m, to: 4 m}}, y: {{from: 0, to: 1}}}}
 minimise: final(other)
 constraints:
-  final(gain): {at_least: 3 m, at_most: 2 m}
-"""
+{LIMITS}"""
 
 
 def study(folder, text=STUDY):
@@ -55,7 +59,7 @@ def test_an_infeasible_study_ends_with_a_negative_answer(tmp_path, capsys, monke
     assert end.value.code == 1
     text = capsys.readouterr().out
     assert "final(gain) is 2.5 m, at least 3 m is asked for: missed by 0.5 m" in text
-    assert "final(gain) is 2.5 m, at most 2 m is asked for: missed by 0.5 m" in text
+    assert "final(twin) is 2.5 m, at most 2 m is asked for: missed by 0.5 m" in text
     assert "loosen" in text
     assert "starts: 8" in text
     kept = vd.open_result("out.h5")
@@ -75,7 +79,7 @@ def test_an_infeasible_study_warns_in_python(tmp_path):
 @pytest.mark.parametrize("optimiser", ["slsqp", "ipopt"])
 def test_the_least_violation_is_found_from_a_start_that_is_far_from_it(tmp_path, optimiser):
     """Limits within the bounds but for one: it alone is missed, by its distance to the bound."""
-    text = STUDY.replace("{at_least: 3 m, at_most: 2 m}", "{at_least: 5 m}")
+    text = STUDY.replace(LIMITS, "  final(gain): {at_least: 5 m}\n")
     text = f"{text}  final(other): {{at_least: 0.7}}\noptimiser: {optimiser}\n"
     with pytest.warns(vd.UnfinishedWarning, match="infeasible"):
         found = vd.optimise(study(tmp_path, text))
@@ -109,7 +113,7 @@ def test_a_search_that_ends_before_the_constraints_goes_on_from_near_them():
 
 
 def test_files_of_feasible_optima_are_whole(tmp_path):
-    text = STUDY.replace("at_least: 3 m, at_most: 2 m", "at_least: 2 m, at_most: 3 m")
+    text = STUDY.replace(LIMITS, "  final(gain): {at_least: 2 m, at_most: 3 m}\n")
     found = vd.optimise(study(tmp_path, text), system_file=tmp_path / "best.yaml")
     assert found.is_whole
     assert "missed" not in found.report.as_text()
