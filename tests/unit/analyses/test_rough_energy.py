@@ -43,3 +43,14 @@ def test_what_lies_between_samples_is_in_doubt():
     few, many = (rough_balance(swing(np.linspace(0.0, 1.0, n), lost=0.01)) for n in (41, 161))
     assert few.error < few.doubt + 0.004 * few.exchanged
     assert many.error > many.doubt + 0.004 * many.exchanged
+
+
+def test_blows_shorter_than_samples_are_in_doubt():
+    """A blow that lasts half a sample takes a fifth of the energy; the samples see another work."""
+    times = np.linspace(0.0, 1.0, 201)
+    blow = np.exp(-0.5 * ((times - 0.5) / 0.001) ** 2) * 0.2 / (0.001 * np.sqrt(2.0 * np.pi))
+    energy = np.where(times < 0.5, 1.0, np.where(times > 0.5, 0.8, 0.9))
+    columns = {"energy.kinetic": energy, "energy.gravity": 0.0 * times, "power.forces": -blow}
+    rough = rough_balance(Recording(times, columns, dict.fromkeys(columns, "J")))
+    assert rough.error > 0.1 * rough.exchanged
+    assert rough.error < rough.doubt

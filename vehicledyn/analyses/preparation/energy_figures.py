@@ -61,8 +61,9 @@ def energy_error(recording: Recording) -> Iterator[SummaryEntry]:
 def rough_balance(recording: Recording) -> EnergyBalance | None:
     """Return the balance of the energy by local cubics, at a tenth of the price, None as below.
 
-    Samples must fit into memory, each at a time of its own. Its doubt is what cubics differ from
-    straight lines by.
+    Samples must fit into memory, each at a time of its own. Its doubt is what cubics differ by from
+    straight lines, or from cubics through every second sample where that is more: contacts shorter
+    than a few samples.
     """
     if recording.count < 2 or not {*ENERGIES, POWER} <= set(recording.channels):
         return None
@@ -74,8 +75,10 @@ def rough_balance(recording: Recording) -> EnergyBalance | None:
         error = float(np.abs(energy - energy[0] - work).max())
         spans = [float(np.ptp(rows.channels[name])) for name in ENERGIES]
         largest = _LEAST_OF_KINETIC * float(rows.channels[ENERGIES[0]].max())
-        doubt = float(np.abs(np.cumsum(parts - lines)).max())
-        return EnergyBalance(error, max(largest, *spans, float(np.ptp(work))), doubt)
+        coarse = np.append(0.0, np.cumsum(_rough_work(rows.time[::2], power[::2])[0]))
+        doubts = np.append(np.cumsum(parts - lines), work[::2] - coarse)
+        exchanged = max(largest, *spans, float(np.ptp(work)))
+        return EnergyBalance(error, exchanged, float(np.abs(doubts).max()))
 
 
 def _rough_work(times: Floats, power: Floats) -> tuple[Floats, Floats]:
