@@ -251,12 +251,12 @@ class _Run:
 
 def _warned(file: StudyFile) -> list[str]:
     """Return warnings about cases whose step is too long or whose beams bend too far."""
-    told = []
+    warnings = []
     if ACCURACY in file.figures:
         texts = file.figure_texts(ACCURACY)
         found = [k for k, text in enumerate(texts) if text == "inaccurate"]
         if found:
-            told.append(
+            warnings.append(
                 f"warning: the step is too long in {_cases(file, found)}; the figures "
                 "'estimated_error' and 'recommended_step' say how much and what to take"
             )
@@ -265,8 +265,8 @@ def _warned(file: StudyFile) -> list[str]:
         found = [int(k) for k in np.flatnonzero(bends > LARGE)]
         if found:
             how = f"by up to {bends[found].max():.2g} of its length in {_cases(file, found)}"
-            told.append(bent_far(name.removeprefix(BEND), how))
-    return told
+            warnings.append(bent_far(name.removeprefix(BEND), how))
+    return warnings
 
 
 def _cases(file: StudyFile, found: list[int]) -> str:

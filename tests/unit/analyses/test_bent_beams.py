@@ -60,12 +60,12 @@ def test_points_are_looked_at(tmp_path, analysis, mass):
     with warnings.catch_warnings(record=True) as issued:
         warnings.simplefilter("always")
         analysis(vd.load(tmp_path / "strip.yaml"), backend="interpreted", parameters={"mass": mass})
-    told = [str(w.message) for w in issued if w.category is AccuracyWarning]
+    warned = [str(w.message) for w in issued if w.category is AccuracyWarning]
     if mass == "2 kg":
-        assert not told
+        assert not warned
         return
-    assert len(told) == 1
-    assert "beam 'strip': its end moves aside by 0.26 of its length; " in told[0]
+    assert len(warned) == 1
+    assert "beam 'strip': its end moves aside by 0.26 of its length; " in warned[0]
 
 
 SWEEP = """title: Loads at the end of a strip

@@ -24,6 +24,7 @@ from vehicledyn.multibody.bodies.beam_shapes import Shapes, quadrature
 from vehicledyn.multibody.model.deformation import Follower
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar
+from vehicledyn.symbolic.weighted_sums import weighted_sum
 
 Array = NDArray[np.float64]
 SERIES = (0.5, 0.125, 0.0625)
@@ -116,8 +117,8 @@ class Shortening:
             own[:, self.ranges[plane]] = self.slopes[plane]
         found = []
         for place in zip(*rows.values(), strict=True):
-            leans = [_weighted(row, q) / length for row in place]
-            turning = [_weighted(row, rates) for row in place]
+            leans = [weighted_sum(row, q) / length for row in place]
+            turning = [weighted_sum(row, rates) for row in place]
             e, pace, swept = ops.scalar(0.0), ops.scalar(0.0), ops.scalar(0.0)
             for lean, own_rate in zip(leans, turning, strict=True):
                 e, pace = e + lean * lean, pace + lean * own_rate
@@ -141,7 +142,7 @@ class Shortening:
         metric = np.zeros((size, size))
         for plane, own in self.shapes.items():
             metric[np.ix_(self.ranges[plane], self.ranges[plane])] = own.shortening(place)
-        pulls = [_weighted(row, q) / length for row in metric]
+        pulls = [weighted_sum(row, q) / length for row in metric]
         total, still = ops.scalar(0.0), [ops.scalar(0.0)] * size
         for pull, value in zip(pulls, q, strict=True):
             total = total - 0.5 * pull * value
@@ -188,14 +189,6 @@ def summed(weights: Sequence[float] | Array, followers: Sequence[Follower]) -> F
         float(w) * f for w, item in zip(weights, followers, strict=True) for f in item.factors
     ]
     return Follower(value, factors, np.vstack([f.shares for f in followers]), rate, growth)
-
-
-def _weighted(factors: Sequence[float] | Array, values: Sequence[Scalar]) -> Scalar:
-    total = ops.scalar(0.0)
-    for factor, value in zip(factors, values, strict=True):
-        if factor:
-            total = total + float(factor) * value
-    return total
 
 
 def inertia_products(

@@ -28,6 +28,7 @@ from vehicledyn.multibody.recursion.deformed_inertia import DeformedInertia
 from vehicledyn.multibody.recursion.inertia import Inertia
 from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec
+from vehicledyn.symbolic.weighted_sums import weighted_sum
 
 Array = NDArray[np.float64]
 _NEGLIGIBLE = 1e-13
@@ -82,7 +83,7 @@ class IntegralInertia(DeformedInertia):
     def _accelerations(self) -> list[Scalar]:
         own = self.kinematics.amplitude_accelerations(self.link)
         found = [
-            f.growth + _sum_of(f.factors, [_sum(row, own) for row in f.shares])
+            f.growth + _sum_of(f.factors, [weighted_sum(row, own) for row in f.shares])
             for f in self._followers
         ]
         return [*own, *found]
@@ -95,7 +96,7 @@ class IntegralInertia(DeformedInertia):
         """Return what loads on all amplitudes are on the coordinates."""
         n = len(self.body.coordinates)
         passed = [factor * loads[k] for k, factor in self._factors]
-        return [loads[k] + _sum(self._shares[:, k], passed) for k in range(n)]
+        return [loads[k] + weighted_sum(self._shares[:, k], passed) for k in range(n)]
 
     def _block(self, row: int, column: int) -> Array:
         """Return ∫ f gᵀ dm of vectors of functions: x for -1, φ_k for k; shape (3, 3)."""
@@ -121,7 +122,10 @@ class IntegralInertia(DeformedInertia):
         if second is None:
             return None
         return [
-            [[_sum(second[k, :, f, i], self._amplitudes[1:]) for i in range(3)] for f in range(4)]
+            [
+                [weighted_sum(second[k, :, f, i], self._amplitudes[1:]) for i in range(3)]
+                for f in range(4)
+            ]
             for k in self._count
         ]
 
@@ -140,7 +144,7 @@ class IntegralInertia(DeformedInertia):
         """∫ p dm."""
         found = ops.vector(
             *(
-                _sum([self._first(k)[i] for k in (-1, *self._count)], self._amplitudes)
+                weighted_sum([self._first(k)[i] for k in (-1, *self._count)], self._amplitudes)
                 for i in range(3)
             )
         )
@@ -152,7 +156,7 @@ class IntegralInertia(DeformedInertia):
         """Return Σ ∫ ∂p/∂q_k dm times a factor each."""
         if self._grown is None:
             return ops.vector(
-                *(_sum([self._first(k)[i] for k in self._count], factors) for i in range(3))
+                *(weighted_sum([self._first(k)[i] for k in self._count], factors) for i in range(3))
             )
         found = ops.vector(0.0, 0.0, 0.0)
         for pushed, factor in zip(self._pushed, factors, strict=True):
@@ -165,7 +169,9 @@ class IntegralInertia(DeformedInertia):
         second = self._second_order
         if second is not None:
             for k, rate in enumerate(rates):
-                rows = [[_sum(second[k, :, f, i], rates) for i in range(3)] for f in range(4)]
+                rows = [
+                    [weighted_sum(second[k, :, f, i], rates) for i in range(3)] for f in range(4)
+                ]
                 force = force + rate * ops.vector(*rows[0])
                 torque = torque + rate * _axial(rows[1:])
         return force, torque
@@ -188,7 +194,7 @@ class IntegralInertia(DeformedInertia):
             blocks = [self._block(other, k) for other in (-1, *self._count)]
             found.append(
                 [
-                    [_sum([b[i, j] for b in blocks], self._amplitudes) for j in range(3)]
+                    [weighted_sum([b[i, j] for b in blocks], self._amplitudes) for j in range(3)]
                     for i in range(3)
                 ]
             )
@@ -205,7 +211,9 @@ class IntegralInertia(DeformedInertia):
                 if j < i:
                     row.append(rows[j][i])
                     continue
-                still = _sum([self._block(k, -1)[i, j] for k in (-1, *self._count)], factors)
+                still = weighted_sum(
+                    [self._block(k, -1)[i, j] for k in (-1, *self._count)], factors
+                )
                 total = still * length
                 for k in self._count:
                     total = total + self._straight[k][i][j] * factors[1 + k]
@@ -260,16 +268,16 @@ class IntegralInertia(DeformedInertia):
         n, factors = len(self.body.coordinates), self._factors
         between = [[f * self._product(i, j) * g for j, g in factors] for i, f in factors]
         return [
-            [_sum(self._shares[:, k], row) + f * self._product(i, k) for k in range(n)]
+            [weighted_sum(self._shares[:, k], row) + f * self._product(i, k) for k in range(n)]
             for (i, f), row in zip(factors, between, strict=True)
         ]
 
     def entry(self, k: int, other: int) -> Scalar:
         """Return the entry of the mass matrix between two coordinates of the deformation."""
         total = ops.scalar(self._product(k, other))
-        total = total + _sum(self._shares[:, k], [row[other] for row in self._coupled])
+        total = total + weighted_sum(self._shares[:, k], [row[other] for row in self._coupled])
         direct = [factor * self._product(k, i) for i, factor in self._factors]
-        total = total + _sum(self._shares[:, other], direct)
+        total = total + weighted_sum(self._shares[:, other], direct)
         return self._integrals.scale * total + self.body.turning.entry(3 + k, 3 + other)
 
     @cached_property
@@ -323,7 +331,7 @@ class IntegralInertia(DeformedInertia):
         omega = kinematics.link_angular_velocity(link)
         loads = []
         for k in self._count:
-            total = ops.scalar(_sum(self._first(k), [base[i] for i in range(3)]))
+            total = ops.scalar(weighted_sum(self._first(k), [base[i] for i in range(3)]))
             if self._grown is not None:
                 total = total + _sum_of(self._grown[k][0], [base[i] for i in range(3)])
             for i in range(3):
@@ -331,7 +339,7 @@ class IntegralInertia(DeformedInertia):
                     total = total + beta[j, i] * self._with[k][i][j]
             crossed = [_crossed(self._block(other, k)) for other in self._count]
             for i in range(3):
-                total = total + 2.0 * omega[i] * _sum([c[i] for c in crossed], self._rates)
+                total = total + 2.0 * omega[i] * weighted_sum([c[i] for c in crossed], self._rates)
             own = [float(np.trace(self._block(k, other))) for other in self._count]
             for factor, value in zip(own, self._accelerations, strict=True):
                 if not ops.scalar(value).is_zero():
@@ -353,15 +361,6 @@ def _crossed(block: Array) -> Array:
 def _axial(rows: Sequence[Sequence[Scalar]]) -> Vec:
     """Return the same of entries that may be symbols."""
     return ops.vector(rows[1][2] - rows[2][1], rows[2][0] - rows[0][2], rows[0][1] - rows[1][0])
-
-
-def _sum(numbers: Sequence[float] | Array, factors: Sequence[Scalar]) -> Scalar:
-    """Return a sum of numbers times factors, without those that are zero."""
-    total = ops.scalar(0.0)
-    for number, factor in zip(numbers, factors, strict=True):
-        if number:
-            total = total + float(number) * factor
-    return total
 
 
 def _sum_of(values: Sequence[Scalar], factors: Sequence[Scalar]) -> Scalar:

@@ -16,6 +16,7 @@ from vehicledyn.multibody.recursion.body_inertia import BodyInertia
 from vehicledyn.multibody.recursion.flexible_inertia import FlexibleInertia
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar
+from vehicledyn.symbolic.weighted_sums import weighted_sum
 
 Array = NDArray[np.float64]
 
@@ -114,11 +115,4 @@ class RecastTree:
 
 
 def _product(matrix: Array, values: Sequence[Scalar]) -> list[Scalar]:
-    found = []
-    for row in matrix:
-        total = ops.scalar(0.0)
-        for factor, value in zip(row, values, strict=True):
-            if factor:
-                total = total + float(factor) * value
-        found.append(total)
-    return found
+    return [weighted_sum(row, values) for row in matrix]
