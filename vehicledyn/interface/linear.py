@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from vehicledyn.files.scenario.settings import Settings, override_texts
 from vehicledyn.interface.quantities import positive, speed_in_si, speeds_in_si, texts
-from vehicledyn.interface.running import Progress, reporter, result_place
+from vehicledyn.interface.running import Progress, reporter, result_place, warn_of
 from vehicledyn.interface.targets import Source, read_target
 from vehicledyn.kernel.make_kernel import Backend
 from vehicledyn.results.labelled.data import LabelledData
@@ -254,7 +254,7 @@ def linearise(
     """
     from vehicledyn.analyses.linear.linear_model import find_linear_model
 
-    return find_linear_model(
+    found = find_linear_model(
         read_target(model, override_texts(set, settings)),
         inputs=texts("inputs", inputs),
         outputs=texts("outputs", outputs),
@@ -263,3 +263,5 @@ def linearise(
         progress=reporter(progress),
         to=() if to is None else texts("to", to),
     )
+    warn_of(found.messages)
+    return found

@@ -6,8 +6,9 @@ import shutil
 import sys
 import tempfile
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from itertools import chain
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -130,11 +131,17 @@ def _print_line(text: str, fraction: float | None = None) -> None:
     sys.stderr.flush()
 
 
-def _warn(data: LabelledData) -> None:
-    """Issue what the notes warn of, and that an analysis is not whole."""
-    for note in dict.fromkeys([*data.notes, *getattr(data.report, "notes", ())]):
+def warn_of(notes: Iterable[str]) -> None:
+    """Issue the warnings among some notes, each once."""
+    for note in dict.fromkeys(notes):
         if note.startswith(WARNING):
             _issue(note.removeprefix(WARNING), AccuracyWarning)
+
+
+def _warn(data: LabelledData) -> None:
+    """Issue what the notes warn of, and that an analysis is not whole."""
+    told = (getattr(data.report, name, ()) for name in ("notes", "messages"))
+    warn_of([*data.notes, *chain(*told)])
     if not data.is_whole:
         text = f"{data.status}: {data.status_message}" if data.status_message else data.status
         _issue(f"the {data.kind} is not whole: {text}", UnfinishedWarning)

@@ -6,6 +6,7 @@ import math
 from pathlib import Path
 
 from vehicledyn.analyse.settling.cached_types import CYCLE_KINDS
+from vehicledyn.analyses.hunting.bent_motions import bent_motions
 from vehicledyn.analyses.hunting.refusals import check_subject
 from vehicledyn.analyses.hunting.report import HuntReport
 from vehicledyn.analyses.hunting.saving import Saving, finished
@@ -76,6 +77,7 @@ def find_limit_cycles(
     if saving is not None:
         study.write_to(saving)
     study.examine()
+    study.messages += bent_motions(prepared, study.model, study.balances, study.branches)
     table = study.table()
     if saving is not None:
         saving.write(table)

@@ -38,7 +38,8 @@ class LinearModel:
     output feels the rate or acceleration of an input directly, this is the input, and the input
     a state. Those of a reduced model have no names of their own.
 
-    ``slopes`` are derivatives of the matrices by ``parameters``, where they were asked for.
+    ``slopes`` are derivatives of the matrices by ``parameters``, where they were asked for;
+    ``remarks`` say what makes the reference motion doubtful.
     """
 
     title: str
@@ -50,11 +51,12 @@ class LinearModel:
     full_order: int
     parameters: tuple[Quantity, ...] = ()
     slopes: StateSpaceSlopes | None = None
+    remarks: tuple[str, ...] = ()
 
     @property
     def messages(self) -> tuple[str, ...]:
         """Remarks."""
-        return ()
+        return self.remarks
 
     def as_text(self) -> str:
         """Return the size of the model, its eigenvalues and what a reduction may miss."""
@@ -69,7 +71,7 @@ class LinearModel:
             lines.append(f"  gains differ from the full model's by at most {self.system.error:.3g}")
         if self.slopes is not None:
             lines.append(f"  derivatives of A, B, C and D by {len(self.parameters)} parameters")
-        return "\n".join(lines)
+        return "\n".join([*lines, *self.remarks])
 
     def as_dict(self) -> dict[str, Any]:
         """Return everything as plain data, in SI."""
@@ -90,6 +92,7 @@ class LinearModel:
             "hankel_singular_values": self.system.hankel,
             "error_bound": self.system.error,
             "speed": self.speed,
+            "remarks": list(self.remarks),
         }
         if self.slopes is not None:
             items["parameters"] = [item.name for item in self.parameters]
@@ -243,6 +246,7 @@ def find_linear_model(
         full_order,
         parameters,
         slopes,
+        model.remarks,
     )
 
 

@@ -50,6 +50,12 @@ class Linearised:
     columns: dict[str, int]
     speed: float
 
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What makes the reference motion doubtful."""
+        found = (unsteadiness(self.prepared, self.point), *bent_at(self.prepared, self.point))
+        return tuple(filter(None, found))
+
 
 def find_response(
     target: Target,
@@ -267,8 +273,6 @@ def _report(
 
             gain = float(table.static_gain[i, k])
             figures[i, k] = key_figures(magnitude, table.frequency, gain, poles)
-    point = (model.prepared, model.point)
-    remarks = [unsteadiness(*point), *bent_at(*point)]
     return ResponseReport(
         table=table,
         figures=figures,
@@ -276,7 +280,7 @@ def _report(
         response_at=system.response(np.array(at)) if len(at) else np.zeros((0, 0, 0)),
         growing=sum(m.eigenvalue.real > _GROWS for m in modes),
         undamped=tuple(f for f in undamped if table.frequency[0] <= f <= table.frequency[-1]),
-        remark="\n".join(filter(None, remarks)),
+        remark="\n".join(model.remarks),
     )
 
 

@@ -13,6 +13,7 @@ from vehicledyn.analyse.gradients.curvature import Curvature, CurvatureCode
 from vehicledyn.analyse.gradients.equilibrium import GivenSlopes
 from vehicledyn.analyse.gradients.key_figures import unit_of
 from vehicledyn.analyses.preparation.prepared import Progress
+from vehicledyn.analyses.sensitivity.mishaps import bent_beams
 from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
 from vehicledyn.analyses.sensitivity.names import Directions, directions, wanted
 from vehicledyn.base.errors import InputError
@@ -142,7 +143,8 @@ def find_curvature(
     ready = CurvatureStudy.of(study, asked.figures, progress)
     progress("following the motion back with its tangents", None)
     found = ready.along(chosen, _direction(chosen, along, e, study))
-    notes, slopes, curvatures = list(study.notes), [], []
+    notes = [*study.notes, *bent_beams(study, study.plain(progress))]
+    slopes, curvatures = [], []
     about = {c.name: c for c in e.channels}
     figures = []
     for (kind, name), (item, slope, curvature) in zip(asked.figures, found, strict=True):

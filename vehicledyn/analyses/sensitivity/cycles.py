@@ -11,12 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyse.periodic.collocation import Direction
-from vehicledyn.analyse.periodic.cycle_points import CyclePoint, moved
+from vehicledyn.analyse.periodic.cycle_points import Branch, CyclePoint, moved
 from vehicledyn.analyse.periodic.cycles_at import cycle_beside, points_beside
 from vehicledyn.analyse.periodic.fine_orbits import FineOrbits
 from vehicledyn.analyse.periodic.orbit import Orbit
 from vehicledyn.analyse.periodic.orbit_slopes import OrbitSlopes, ParameterSlopes, orbit_slopes
 from vehicledyn.analyse.settling.cached_types import CYCLE_KINDS
+from vehicledyn.analyses.hunting.bent_motions import bent_motions
 from vehicledyn.analyses.hunting.critical_values import lowest_stable
 from vehicledyn.analyses.hunting.parameter_starts import ParameterStarts
 from vehicledyn.analyses.hunting.refusals import check_subject
@@ -184,6 +185,7 @@ class _Cycles:
             why = "; ".join(["", *study.messages])
             raise NumericalError(f"no limit cycle is found at {value:g} m/s{why}")
         self.notes += study.messages
+        self.notes += bent_motions(study.prepared, study.model, [], [Branch(cycles)])
         cycles.sort(key=lambda point: float(np.abs(np.ptp(point.orbit.states, axis=0)).sum()))
         channels = sorted({item.channel for item in asked if item.channel is not None})
         slopes = ParameterSlopes(study.model, which, channels, self._held(value))

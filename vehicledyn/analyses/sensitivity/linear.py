@@ -16,6 +16,7 @@ from vehicledyn.analyse.gradients.eigenvalues import EigenDerivatives, EigenSlop
 from vehicledyn.analyse.gradients.linear_system import Following, SystemDerivatives
 from vehicledyn.analyses.linear.mode_report import NEAR_ZERO
 from vehicledyn.analyses.linear.reference_motion import ReferenceMotion
+from vehicledyn.analyses.preparation.doubts.bent_beams import bent_among
 from vehicledyn.analyses.preparation.own_speed import at_speed
 from vehicledyn.analyses.preparation.prepare import (
     BALANCE_TOLERANCE,
@@ -189,6 +190,8 @@ def find_linear_sensitivity(
             values.append(value)
             rows.append(slope)
     chosen = directions(e, model.point.parameters, model.point.state, to)
+    kernel = model.prepared.kernel.with_parameters(model.point.parameters)
+    point = Point(model.point.state, model.point.unknowns)
     return SensitivityTable(
         target.title,
         e.name,
@@ -197,6 +200,7 @@ def find_linear_sensitivity(
         tuple(figures),
         np.array(values),
         np.array(rows) @ chosen.by_parameter,
+        notes=tuple(bent_among(model.prepared, [("", kernel, point)])),
     )
 
 

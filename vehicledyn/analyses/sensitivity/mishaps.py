@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from vehicledyn.analyses.preparation.doubts.bent_beams import BentBeams
 from vehicledyn.analyses.simulation.lost_driver import PATH_ERROR, lost_driver
 from vehicledyn.analyses.simulation.wanted_outputs import needed_channels
 from vehicledyn.road.manoeuvres.channel_recorder import Recording
@@ -42,3 +45,21 @@ def mishap_of(study: MotionStudy) -> str:
         return ""
     whole = replace(study, channels=needed_channels(prepared))
     return mishap(whole, whole.plain(lambda *_: None))
+
+
+def bent_beams(study: MotionStudy, motion: MotionSlopes) -> list[str]:
+    """Return a warning for each beam that bent farther in a run than its modes hold for."""
+    watch, columns = BentBeams.of(study.prepared), study.channels
+    outputs = np.zeros((len(motion.times), len(study.prepared.equations.channels)))
+    outputs[:, columns] = motion.values
+    watch.take(motion.times, outputs)
+    return watch.remarks()
+
+
+def bent_beams_of(study: MotionStudy) -> list[str]:
+    """Return the same of the run itself, for a study that follows few channels."""
+    ends = [k for pair in BentBeams.of(study.prepared).watched.columns for k in pair]
+    if not ends:
+        return []
+    whole = replace(study, channels=ends)
+    return bent_beams(whole, whole.plain(lambda *_: None))

@@ -19,7 +19,7 @@ from vehicledyn.analyse.gradients.motion_slopes import MotionSlopes
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.analyses.sensitivity.confirmation import unconfirmed, unconfirmed_figure
 from vehicledyn.analyses.sensitivity.figure_names import check_names, is_figure_of_run
-from vehicledyn.analyses.sensitivity.mishaps import mishap, mishap_of
+from vehicledyn.analyses.sensitivity.mishaps import bent_beams, bent_beams_of, mishap, mishap_of
 from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
 from vehicledyn.analyses.sensitivity.names import Directions, Wanted, directions, wanted
 from vehicledyn.analyses.simulation.prepared_run import prepare_run
@@ -146,6 +146,7 @@ def _figure_back(
         *study.notes,
         f"found by adjoints; {found.n_bytes / 1e6:.1f} MB of steps kept",
         *unsure,
+        *bent_beams_of(study),
     ]
     if lost:
         notes.append(f"warning: {lost}")
@@ -199,6 +200,7 @@ def _table(
         f"other coordinates become dependent at {time:.6g} s; the derivatives follow"
         for time in motion.changes
     ]
+    notes += bent_beams(study, motion)
     if befell := mishap(study, motion):
         notes.append(f"warning: {befell}")
     elif motion.ended_by:

@@ -24,6 +24,7 @@ from vehicledyn.analyse.gradients.motion_course import Piece
 from vehicledyn.analyse.gradients.motion_slopes import MotionSlopes
 from vehicledyn.analyse.gradients.sampled_run import sampled_run
 from vehicledyn.analyses.linear.written_starts import WrittenStarts
+from vehicledyn.analyses.preparation.doubts.bent_beams import WatchedBeams
 from vehicledyn.analyses.preparation.prepare import Point, set_speed, start_point
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress
 from vehicledyn.analyses.sensitivity.names import START, Directions, Wanted
@@ -102,7 +103,8 @@ class MotionStudy:
                 hint = f"; did you mean '{guess}'?" if guess else ""
                 raise InputError(f"'{name}' is no channel of '{prepared.equations.name}'{hint}")
         chosen = [all_names.index(name) for name in names]
-        chosen = chosen if back else [*needed_channels(prepared), *chosen]
+        ends = [k for pair in WatchedBeams.of(prepared).columns for k in pair]
+        chosen = chosen if back else [*needed_channels(prepared), *chosen, *ends]
         channels = list(dict.fromkeys(chosen))
         notes: list[str] = []
         grid, n_intervals = grid_of(loaded, prepared, start, notes)
@@ -240,7 +242,8 @@ class MotionStudy:
 
     def plain(self, progress: Progress) -> MotionSlopes:
         """Return the motion without derivatives, as those by no directions."""
-        given = self.prepared.kernel.parameters, self.start.state, self.start.unknowns, self.grid
+        start = self.start.state, self.start.unknowns
+        given = self.prepared.kernel.parameters, *start, self.grid, self.channels
         return self.memory.recall_or_raise("plain", given, self._plain)
 
     def _plain(self) -> MotionSlopes:

@@ -112,6 +112,7 @@ def find_response_sensitivity(
         tuple(figures),
         np.array(values),
         (np.array(found) @ chosen.by_parameter)[:, kept],
+        notes=model.remarks,
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.analyses.preparation.prepare import Point
 from vehicledyn.analyses.preparation.prepared import Prepared
+from vehicledyn.kernel.kernel import Kernel
 from vehicledyn.symbolic import ops
 
 Matrix = NDArray[np.float64]
@@ -107,14 +108,24 @@ def bent_far(name: str, how: str) -> str:
 
 def bent_at(prepared: Prepared, point: Point) -> list[str]:
     """Return a warning for each beam that is bent far at a point."""
+    return bent_among(prepared, [("", prepared.kernel, point)])
+
+
+def bent_among(prepared: Prepared, points: Iterable[tuple[str, Kernel, Point]]) -> list[str]:
+    """Return a warning for each beam that is bent far at one of several points.
+
+    Each has words for the place, such as "at speed = 3 m/s", and its own kernel.
+    """
     watched = WatchedBeams.of(prepared)
     if not watched.names:
         return []
-    time = prepared.subject.balance_time
-    outputs = np.asarray(prepared.kernel.outputs(time, point.state, point.unknowns))
-    found = watched.bends(lambda k: outputs[k], prepared.kernel.parameters)
+    time, largest = prepared.subject.balance_time, dict[str, tuple[float, str]]()
+    for where, kernel, point in points:
+        outputs = np.asarray(kernel.outputs(time, point.state, point.unknowns))
+        for name, bend in watched.bends(outputs.__getitem__, kernel.parameters).items():
+            if bend > max(LARGE, largest.get(name, (0.0, ""))[0]):
+                largest[name] = float(bend), where
     return [
-        bent_far(name, f"by {float(bend):.2g} of its length")
-        for name, bend in found.items()
-        if bend > LARGE
+        bent_far(name, f"by {bend:.2g} of its length{where and ' '}{where}")
+        for name, (bend, where) in largest.items()
     ]
