@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from vehicledyn.base.errors import InputError
 from vehicledyn.results.tables.tyre_table import COLUMNS, TyreTable, write_tyre
 from vehicledyn.road.tyre_files.tyre_file import Range
+from vehicledyn.road.tyres.asked_modes import asked
 from vehicledyn.road.tyres.file_tyre import FileTyre
 from vehicledyn.road.tyres.tyre import Tyre, TyreInput
 from vehicledyn.road.tyres.tyre_of_file import TyreOfFile
@@ -48,6 +49,7 @@ class TyreReport:
                 lines.append(f"  range of {name}: {low:g} to {high:g} {unit}")
             if fact["unknown"]:
                 lines.append(f"  unknown, without effect: {', '.join(fact['unknown'])}")
+            lines += [f"  {text}" for text in fact["asked"]]
             heads = [f"{text} [{unit}]" for text, unit in _HEADS.values()]
             lines.append("  " + "".join(f"{head:>20}" for head in heads))
             for row in fact["loads"]:
@@ -161,6 +163,7 @@ def _facts(tyre: FileTyre, table: TyreTable) -> dict[str, Any]:
         "side": content.side,
         "given": len(content.given),
         "unknown": list(content.unknown),
+        "asked": list(asked(tyre)),
         "outside": _outside(content.ranges, table),
         "ranges": {n: (r.lowest, r.highest, r.unit) for n, r in content.ranges.items()},
         "loads": [_key_figures(tyre, table, load) for load in table.loads],

@@ -14,6 +14,7 @@ from vehicledyn.road.tyre_files.lines import Entry, read_lines
 from vehicledyn.road.tyre_files.magnitudes import implausible
 from vehicledyn.road.tyre_files.names import ALIASES, Coefficient, coefficients
 from vehicledyn.road.tyre_files.units import factor, read_units
+from vehicledyn.road.tyre_files.use_mode import USUAL, UseMode, use_mode
 
 VERSIONS = {5: "5.2", 6: "5.2", 21: "5.2", 51: "5.2", 52: "5.2", 60: "6.1", 61: "6.1", 62: "6.2"}
 """Version of the Magic Formula by FITTYP."""
@@ -78,6 +79,12 @@ class TyreFile:
     def has_pressure(self) -> bool:
         """Whether the file says for which inflation pressure it holds."""
         return not self.given.isdisjoint(("NOMPRES", "INFLPRES", "IP_NOM", "IP"))
+
+    @property
+    def asked(self) -> UseMode:
+        """What the file asks for by USE_MODE."""
+        number = self.values.get("USE_MODE")
+        return USUAL if number is None else use_mode(number) or USUAL
 
     @property
     def ranges(self) -> dict[str, Range]:
@@ -231,6 +238,9 @@ def _check(
     for name in _NOT_ZERO:
         if values.get(name) == 0.0:
             problems.append(_at(entries, source, name, "must not be zero"))
+    if use_mode(values.get("USE_MODE", USUAL.number)) is None:
+        words = f"no mode {values['USE_MODE']:g}; the last digit is 0 to 5, tens are 0 to 3"
+        problems.append(_at(entries, source, "USE_MODE", words))
     if values.get("PKY1", -1.0) * values.get("PKY2", 1.0) > 0.0:
         words = "is positive with PKY2: side forces would push the wheel aside; change its sign"
         problems.append(_at(entries, source, "PKY1", words))

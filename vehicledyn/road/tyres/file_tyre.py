@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
 from typing import Any, ClassVar, Literal
@@ -24,6 +25,7 @@ from vehicledyn.road.tyres.scaling_factors import ScalingFactors
 from vehicledyn.road.tyres.tyre import RelaxationLengths, Tyre, TyreForces, TyreInput
 
 _OTHER = {"left": "right", "right": "left"}
+_NO_FORCES = TyreForces(0.0, 0.0, 0.0)
 
 
 class FileTyre(Tyre):
@@ -53,10 +55,14 @@ class FileTyre(Tyre):
         description="When the tyre is mirrored; 'symmetric' drops what differs from side to side",
     )
 
-    turn_slip: bool = Field(
-        default=False,
+    acting: Literal["none", "longitudinal", "lateral", "uncombined", "combined"] | None = Field(
+        default=None, description="Forces that act; without it those that USE_MODE asks for"
+    )
+
+    turn_slip: bool | None = Field(
+        default=None,
         description="Whether turn slip acts, the curvature of the wheel's path, by the file's "
-        "coefficients; camber then acts as a spin, too",
+        "coefficients; camber then acts as a spin, too; without it USE_MODE decides",
     )
 
     knows_turn_slip: ClassVar[bool] = False
@@ -70,7 +76,7 @@ class FileTyre(Tyre):
         """Return the forces at combined slip, in ISO 8855 signs."""
         p = self.coefficients()
         if self.mirror != "always":
-            return self.steady_forces(p, contact)
+            return self.acting_forces(p, contact)
         there = TyreInput(
             contact.normal_force,
             contact.longitudinal_slip,
@@ -79,13 +85,37 @@ class FileTyre(Tyre):
             contact.forward_speed,
             -contact.turn_slip,
         )
-        found = self.steady_forces(p, there)
+        found = self.acting_forces(p, there)
         return TyreForces(
             found.longitudinal_force,
             -found.lateral_force,
             -found.aligning_moment,
             -found.overturning_moment,
             found.rolling_resistance,
+        )
+
+    @property
+    def forces_that_act(self) -> str:
+        """Forces as this tyre names them, or as USE_MODE of the file does."""
+        return self.acting or self.content.asked.forces
+
+    def acting_forces(self, p: Coefficients, contact: TyreInput) -> TyreForces:
+        """Return the forces that act; those without combined slip are at pure slip.
+
+        The moment at pure side slip has no arm of the longitudinal force.
+        """
+        acts, along, across = self.forces_that_act, _NO_FORCES, _NO_FORCES
+        if acts == "combined":
+            return self.steady_forces(p, contact)
+        if acts in ("longitudinal", "uncombined"):
+            along = self.steady_forces(p, replace(contact, slip_angle=0.0))
+        if acts in ("lateral", "uncombined"):
+            upright = replace(contact, longitudinal_slip=0.0)
+            across = self.steady_forces(p.changed(LS=0.0), upright)
+        return replace(
+            across,
+            longitudinal_force=along.longitudinal_force,
+            rolling_resistance=along.rolling_resistance,
         )
 
     def relaxation_lengths(self, contact: TyreInput) -> RelaxationLengths:
@@ -127,6 +157,8 @@ class FileTyre(Tyre):
         InputError
             If it is wanted, but the law has none, or the file no coefficients of it.
         """
+        if self.turn_slip is None:
+            return self.content.asked.turn_slip and self.has_turn_slip
         if not self.turn_slip:
             return False
         if not self.has_turn_slip:
@@ -196,10 +228,13 @@ class FileTyre(Tyre):
         return self.model_copy(update={"file": str(folder / self.file)})
 
     def mounted(self, side: str) -> FileTyre:
-        """Return the tyre on a side of the car: mirrored if it was measured for the other."""
+        """Return the tyre on a side of the car: mirrored if it was measured for the other.
+
+        A negative USE_MODE turns that round: the file describes the mirror image.
+        """
         if self.mirror != "by_side":
             return self
-        other = _OTHER.get(side) == self.content.side
+        other = (_OTHER.get(side) == self.content.side) != self.content.asked.mirrored
         return self.model_copy(update={"mirror": "always" if other else "never"})
 
     def problems_beside(self, folder: Path) -> list[str]:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from vehicledyn.base.registry import register
 from vehicledyn.road.tyres.file_tyre import FileTyre, convention_of
@@ -20,7 +20,6 @@ from vehicledyn.road.tyres.tyre import RelaxationLengths, TyreForces, TyreInput
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar
 
-_UNCOMBINED = 3
 _OF_CHRONO = ("chrono", "chrono_vehicle")
 
 
@@ -42,6 +41,14 @@ class Pac2002(FileTyre):
         description="Combined slip by Chrono's rules; without it USE_MODE and FE_METHOD decide",
     )
 
+    @model_validator(mode="after")
+    def _know_combination(self) -> Self:
+        if self.combined is not None and self.convention not in _OF_CHRONO:
+            raise ValueError(
+                "combined: a rule of Chrono; give 'convention: chrono', or 'acting: uncombined'"
+            )
+        return self
+
     def steady_forces(self, p: Coefficients, contact: TyreInput) -> TyreForces:
         """Return the forces of a tyre that is not mirrored."""
         chosen = convention_of(self, ("standard", "angles", "chrono", "chrono_vehicle"))
@@ -52,6 +59,11 @@ class Pac2002(FileTyre):
         if chosen == "chrono":
             return forces_chrono(p, contact, combined)
         return forces_52(p, contact, angles=chosen == "angles")
+
+    @property
+    def forces_that_act(self) -> str:
+        """Forces that act; a way to combine slips, where one is named, is not that of the file."""
+        return super().forces_that_act if self.combined is None else self.acting or "combined"
 
     def relaxation_lengths(self, contact: TyreInput) -> RelaxationLengths:
         """Return the lengths by the file's coefficients, in the convention of the tyre."""
@@ -78,6 +90,6 @@ class Pac2002(FileTyre):
 
     def _combined_of_file(self) -> str:
         content = self.content
-        if content.values.get("USE_MODE") == _UNCOMBINED:
+        if self.forces_that_act != "combined":
             return "none"
         return "pacejka" if content.texts.get("FE_METHOD", "").upper() == "NO" else "ellipse"

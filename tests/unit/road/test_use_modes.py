@@ -1,0 +1,71 @@
+"""USE_MODE of tyre property files: which forces act, and what else a file asks for."""
+
+from dataclasses import astuple
+from importlib import resources
+
+import pytest
+
+from vehicledyn.base.errors import InputError
+from vehicledyn.road.tyres.asked_modes import asked
+from vehicledyn.road.tyres.pac2002 import Pac2002
+from vehicledyn.road.tyres.tyre import TyreInput
+from vehicledyn.road.tyres.tyre_of_file import TyreOfFile
+
+PAC = "passenger_235_60R16_pac2002.tir"
+FELT = (4e3, 0.04, 0.05, 0.02, 20.0)
+
+
+@pytest.fixture
+def written(tmp_path):
+    def write(mode, **settings):
+        text = (resources.files("vehicledyn.library.tyres") / PAC).read_text()
+        path = tmp_path / f"of_mode_{mode}.tir"
+        path.write_text(text.replace("USE_MODE = 4", f"USE_MODE = {mode}"))
+        return TyreOfFile(file=str(path), **settings)
+
+    return write
+
+
+def forces(tyre, *felt):
+    return [float(force) for force in astuple(tyre.forces(TyreInput(*(felt or FELT))))]
+
+
+def test_the_last_digit_says_which_forces_act(written):
+    load, slip, angle, camber, speed = FELT
+    whole = forces(written(4))
+    along = forces(written(4), load, slip, 0.0, camber, speed)
+    across = forces(written(4, scaling={"LS": 0}), load, 0.0, angle, camber, speed)
+    assert abs(whole[0] - along[0]) > 100 and abs(whole[1] - across[1]) > 100
+    assert forces(written(0)) == [0.0] * 5
+    assert forces(written(1)) == [along[0], 0.0, 0.0, 0.0, along[4]]
+    assert forces(written(2)) == [0.0, *across[1:4], 0.0]
+    for mode in (3, 13, 23, -3):
+        assert forces(written(mode)) == [along[0], *across[1:4], along[4]]
+    assert forces(written(25)) == forces(written(3, acting="combined")) == whole
+    assert not written(2).pulls_along and not written(1).has_overturning_moment
+
+
+def test_a_negative_mode_mirrors(written):
+    usual, turned = written(4), written(-4)  # a file of a left tyre
+    assert turned.mounted("left").mirror == usual.mounted("right").mirror == "always"
+    assert turned.mounted("right").mirror == usual.mounted("left").mirror == "never"
+
+
+@pytest.mark.parametrize("mode", [6, 44, 4.5, 604])
+def test_modes_that_there_are_not_are_refused(written, mode):
+    with pytest.raises(InputError, match=rf"USE_MODE: no mode {mode:g}; the last digit is 0 to 5"):
+        _ = written(mode).content
+
+
+def test_what_a_file_asks_for_is_told(written):
+    told = [" ".join(asked(written(mode))) for mode in (4, 2, 13, 25, -14)]
+    assert told[0] == "" and "only side force" in told[1]
+    assert "do not weaken" in told[2] and "kind: of_tyre" in told[2]
+    assert "turn slip" in told[3] and "kind: contact_patch" in told[3]
+    assert "mirror image" in told[4] and not list(asked(written(14), relaxed=True))
+    assert not list(asked(written(1, acting="combined")))
+
+
+def test_ways_of_chrono_need_its_convention():
+    with pytest.raises(ValueError, match="combined: a rule of Chrono; give 'convention: chrono'"):
+        Pac2002(file=PAC, combined="none")
