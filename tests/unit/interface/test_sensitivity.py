@@ -212,3 +212,28 @@ def test_a_motion_without_states_has_derivatives(tmp_path):
     assert bent["figure_curvature"].values[0] == pytest.approx([0.0, -6.0])
     with pytest.raises(InputError, match="no modes but zeros"):
         vd.sensitivity(path, "eigenvalues")
+
+
+DROP = """\
+title: A ball falls to the ground, where the run ends
+parameters: {height: {value: 1 m}}
+bodies: {ball: {joints: [T3 z], mass: 1 kg}}
+events: {ground: {when: ball.z, direction: falling, terminal: true}}
+initial: {ball.z: height}
+"""
+
+
+def test_figures_know_that_an_event_ends_the_run_at_another_time(tmp_path):
+    """A ball that falls from h for T = (2 h / g)^(1/2): the rate has mean -h / T, integral -h."""
+    path = tmp_path / "drop.yaml"
+    path.write_text(DROP, encoding="utf-8")
+    run = {"solver": {"kind": "rk4", "step": "1 ms"}, "output": {"interval": "10 ms"}}
+    of = ["integral(ball.z_rate)", "mean(ball.z_rate)", "rms(ball.z_rate)", "mean_square(ball.z)"]
+    slopes, values = [], []
+    for height in (1.0, 1.0 + 1e-4, 1.0 - 1e-4):
+        with pytest.warns(vd.AccuracyWarning, match="ended the run"):
+            found = vd.sensitivity(path, of, height=f"{height!r} m", **run)
+        slopes.append(found["figure_slope"].values[:, 0])
+        values.append(found["figure_value"].values)
+    assert slopes[0][:2] == pytest.approx([-1.0, -0.5 * (9.81 / 2.0) ** 0.5], rel=1e-9)
+    assert slopes[0] == pytest.approx((values[1] - values[2]) / 2e-4, rel=1e-7)

@@ -36,7 +36,9 @@ class FigureSlope:
     time: float = np.nan
 
 
-def figure_slope(kind: str, time: Floats, values: Floats, slopes: Floats) -> FigureSlope:
+def figure_slope(
+    kind: str, time: Floats, values: Floats, slopes: Floats, end: Floats | None = None
+) -> FigureSlope:
     """Return one of :data:`KINDS` of a channel.
 
     Parameters
@@ -47,9 +49,12 @@ def figure_slope(kind: str, time: Floats, values: Floats, slopes: Floats) -> Fig
         Samples, shape (n_times,).
     slopes
         Their derivatives, shape (n_times, n_directions).
+    end
+        How the time of the last sample moves, shape (n_directions,); not at all if None.
     """
+    end = np.zeros(slopes.shape[1]) if end is None else end
     with np.errstate(over="ignore", invalid="ignore"):  # what is not finite is reported
-        found = KINDS[kind](time, values, slopes)
+        found = KINDS[kind](time, values, slopes, end)
     if found.trouble or (np.isfinite(found.value) and np.isfinite(found.slope).all()):
         return found
     lost = np.flatnonzero(~(np.isfinite(values) & np.isfinite(slopes).all(axis=1)))
@@ -81,42 +86,39 @@ def _extreme(time: Floats, values: Floats, slopes: Floats, ranks: Floats) -> Fig
     return FigureSlope(float(values[place]), slopes[place], trouble, float(time[place]))
 
 
-def _mean_square(time: Floats, values: Floats, slopes: Floats) -> FigureSlope:
-    span = time[-1] - time[0]
-    mean = np.trapezoid(values**2, time) / span
-    root = float(np.sqrt(mean))
+def _integral(time: Floats, values: Floats, slopes: Floats, end: Floats) -> FigureSlope:
+    sums = np.asarray(np.trapezoid(slopes, time, axis=0), dtype=float)
+    return FigureSlope(float(np.trapezoid(values, time)), sums + np.mean(values[-2:]) * end)
+
+
+def _mean(time: Floats, values: Floats, slopes: Floats, end: Floats) -> FigureSlope:
+    span, whole = time[-1] - time[0], _integral(time, values, slopes, end)
+    mean = whole.value / span
+    return FigureSlope(mean, np.asarray((whole.slope - mean * end) / span))
+
+
+def _square(time: Floats, values: Floats, slopes: Floats, end: Floats) -> FigureSlope:
+    return _mean(time, values**2, 2.0 * values[:, None] * slopes, end)
+
+
+def _mean_square(time: Floats, values: Floats, slopes: Floats, end: Floats) -> FigureSlope:
+    square = _square(time, values, slopes, end)
+    root = float(np.sqrt(square.value))
     if root == 0.0:
         return FigureSlope(0.0, np.zeros(slopes.shape[1]), "the channel is zero all along")
-    product = np.asarray(np.trapezoid(values[:, None] * slopes, time, axis=0), dtype=float)
-    return FigureSlope(root, product / (span * root))
+    return FigureSlope(root, square.slope / (2.0 * root))
 
 
-def _square(time: Floats, values: Floats, slopes: Floats) -> FigureSlope:
-    product = np.asarray(np.trapezoid(2.0 * values[:, None] * slopes, time, axis=0), dtype=float)
-    span = time[-1] - time[0]
-    return FigureSlope(float(np.trapezoid(values**2, time) / span), product / span)
-
-
-def _integral(time: Floats, values: Floats, slopes: Floats) -> FigureSlope:
-    sums = np.asarray(np.trapezoid(slopes, time, axis=0), dtype=float)
-    return FigureSlope(float(np.trapezoid(values, time)), sums)
-
-
-def _mean(time: Floats, values: Floats, slopes: Floats) -> FigureSlope:
-    span, whole = time[-1] - time[0], _integral(time, values, slopes)
-    return FigureSlope(whole.value / span, np.asarray(whole.slope / span))
-
-
-KINDS: dict[str, Callable[[Floats, Floats, Floats], FigureSlope]] = {
-    "max": lambda t, y, dy: _extreme(t, y, dy, y),
-    "min": lambda t, y, dy: _extreme(t, y, dy, -y),
-    "peak": lambda t, y, dy: _extreme(t, y, dy, np.abs(y)),
+KINDS: dict[str, Callable[[Floats, Floats, Floats, Floats], FigureSlope]] = {
+    "max": lambda t, y, dy, _: _extreme(t, y, dy, y),
+    "min": lambda t, y, dy, _: _extreme(t, y, dy, -y),
+    "peak": lambda t, y, dy, _: _extreme(t, y, dy, np.abs(y)),
     "rms": _mean_square,
     "mean": _mean,
     "mean_square": _square,
     "integral": _integral,
-    "initial": lambda t, y, dy: FigureSlope(float(y[0]), dy[0]),
-    "final": lambda t, y, dy: FigureSlope(float(y[-1]), dy[-1]),
+    "initial": lambda t, y, dy, _: FigureSlope(float(y[0]), dy[0]),
+    "final": lambda t, y, dy, _: FigureSlope(float(y[-1]), dy[-1]),
 }
 """Figures by name; the peak is the value of largest magnitude, with its sign."""
 
@@ -129,11 +131,11 @@ def moved_slope(kind: str, time: Floats, values: Floats, tangent: Floats) -> Flo
     """
     if kind not in ("rms", "mean_square"):
         return np.zeros(len(time))
-    own = _square(time, values, np.eye(len(time))).slope
-    moved = _square(time, tangent, np.eye(len(time))).slope
+    own = figure_slope("mean_square", time, values, np.eye(len(time))).slope
+    moved = figure_slope("mean_square", time, tangent, np.eye(len(time))).slope
     if kind == "mean_square":
         return moved
-    root = _mean_square(time, values, np.zeros((len(time), 0))).value
+    root = figure_slope("rms", time, values, np.zeros((len(time), 0))).value
     if root == 0.0:
         return np.zeros(len(time))
     return np.asarray(0.5 * moved / root - 0.25 * own * float(own @ tangent) / root**3)

@@ -39,6 +39,12 @@ class MotionSlopes:
     ended_by: str
     changes: list[float] = field(default_factory=list)
 
+    @property
+    def end_slope(self) -> Vector:
+        """How the time of the last sample moves, with the event that ends the run, if any [s]."""
+        ends = [event.slope for event in self.events if event.name == self.ended_by]
+        return ends[-1] if ends else np.zeros(self.slopes.shape[2])
+
 
 @dataclass
 class Recorder:

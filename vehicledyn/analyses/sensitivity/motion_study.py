@@ -192,7 +192,11 @@ class MotionStudy:
             place = places[name]
             channel = e.channels[self.channels[place]]
             slope = figure_slope(
-                kind, motion.times, motion.values[:, place], motion.slopes[:, place]
+                kind,
+                motion.times,
+                motion.values[:, place],
+                motion.slopes[:, place],
+                motion.end_slope,
             )
             unit = unit_of(kind, channel.unit)
             words = f"{kind} of {channel.description}"
@@ -342,8 +346,9 @@ class MotionStudy:
         units = {e.channels[k].name: e.channels[k].unit for k in self.channels}
         about: dict[str, Quantity] = {}
 
-        def figures(values: Floats) -> dict[str, float]:
-            recording = Recording(motion.times, dict(zip(names, values.T, strict=True)), units)
+        def figures(samples: Floats) -> dict[str, float]:
+            times, values = samples[:, 0], samples[:, 1:]
+            recording = Recording(times, dict(zip(names, values.T, strict=True)), units)
             found = {}
             for entry in self.prepared.subject.summarise(recording):
                 if isinstance(entry.value, float):
@@ -351,7 +356,13 @@ class MotionStudy:
                     found[entry.name] = entry.value
             return found
 
-        found = sampled_slopes(figures, motion.values, motion.slopes)
+        moved = np.zeros_like(motion.slopes[:, :1])
+        moved[-1, 0] = motion.end_slope
+        found = sampled_slopes(
+            figures,
+            np.concatenate([motion.times[:, None], motion.values], axis=1),
+            np.concatenate([moved, motion.slopes], axis=1),
+        )
         return {name: (slope, about[name]) for name, slope in found.items()}
 
 
