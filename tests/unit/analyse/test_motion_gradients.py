@@ -17,6 +17,7 @@ from vehicledyn.kernel.engine import Method
 from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.kernel.tangent_code import Grid, TangentCode
 from vehicledyn.multibody import derive
+from vehicledyn.symbolic.equations import Block
 
 pytestmark = pytest.mark.usefixtures("needs_compiler")
 
@@ -99,6 +100,30 @@ def test_constraint_solutions_carry_tangents():
         richardson = (16 * second - first) / 15
         error = np.abs(found.slopes[-1][:, k] - richardson)
         assert np.max(error) < 1e-8 * max(np.max(np.abs(richardson)), 1.0)
+
+
+def test_a_single_unknown_follows_each_parameter():
+    """x'' = -k z with z = a x + b: x = (x_0 + b / a) cos((k a)^(1/2) t) - b / a."""
+    t, x, v, z, a, b, k = symbols("t", "x", "v", "z", "a", "b", "k")
+    equations = build(
+        "bound",
+        time=t,
+        states=[(x, 0.7), (v, 0.0)],
+        rates=[v, -k * z],
+        parameters=[(a, 1.3), (b, 0.4), (k, 2.0)],
+        outputs=[("z", z)],
+        unknowns=[(z, 1.0)],
+        residuals=[z - a * x - b],
+        blocks=(Block("z", 0, 1, 1e-12),),
+    )
+    found = followed(equations, Grid(Method.RK4, 0.0, 0.1, 50), 8)
+
+    def end(a, b, k):
+        x = (0.7 + b / a) * np.cos(np.sqrt(k * a) * 0.8) - b / a
+        return np.array([a * x + b])
+
+    exact = complex_steps(end, [1.3, 0.4, 2.0])
+    assert found.slopes[-1] == pytest.approx(exact, rel=1e-9)
 
 
 @pytest.mark.parametrize("count", [1, 6, 12, 17, 20, 27, 33])

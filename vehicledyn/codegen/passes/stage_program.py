@@ -146,7 +146,9 @@ def _unknowns(
         residual = casadi.vertcat(*parts[first : first + n])
         jacobians += parts[first + n : first + n + n * n]
         first += n + n * n
-        slopes = ops.jacobian(residual, casadi.vertcat(t, x, z[: block.start], c))
+        # Not z[:0], which of a single unknown is a row of none that would shift the columns of c.
+        known = z[list(range(block.start)), 0]
+        slopes = ops.jacobian(residual, casadi.vertcat(t, x, known, c))
         columns = [*range(n_before + block.start), *of_c]
         own = [writer.row(entries) for entries in _by_rows(slopes, columns, writer.weights)]
         unknowns += [
