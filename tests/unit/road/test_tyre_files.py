@@ -1,10 +1,15 @@
 """Tyre property files: units, defaults, ranges, and every problem with its line."""
 
+from dataclasses import astuple
+
 import pytest
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.road.tyre_files.names import coefficients
 from vehicledyn.road.tyre_files.tyre_file import read_tyre_file
+from vehicledyn.road.tyres.pac2002 import Pac2002
+from vehicledyn.road.tyres.tyre import TyreInput
+from vehicledyn.road.tyres.tyre_of_file import TyreOfFile
 
 UNITS = {
     "LENGTH": "meter",
@@ -126,7 +131,8 @@ def test_versions(write, fit, version):
         ({"PDX1": "nan"}, "PDX1: expected a number, found 'nan'"),
         ({"FNOMIN": -1}, "FNOMIN: must be above zero"),
         ({"PKY2": 0}, "PKY2: must not be zero"),
-        ({"PDY1": -0.9}, "PDY1: must be above zero"),
+        ({"PDX1": -0.9}, "PDX1: must be above zero"),
+        ({"PDY1": 0}, "PDY1: must not be zero"),
         ({"PKY1": 21.9}, "PKY1: is positive with PKY2: side forces would push the wheel aside"),
     ],
 )
@@ -159,3 +165,18 @@ def test_what_is_no_text(tmp_path):
     assert "larger than 2 MB" in refused(path)
     assert "no such file" in refused(tmp_path / "none.tir")
     assert "folder" in refused(tmp_path)
+
+
+def test_a_negative_lateral_friction_means_the_same_formula(write):
+    """Files of MF-Tyre 5.0 have one: D and B change sign together."""
+    changes = {"PDY2": -0.1, "RVY1": 0.05, "RVY6": 9, "RBY1": 8, "QBZ10": 2, "QDZ6": 0.01}
+    usual = TyreOfFile(file=str(write(model="FITTYP = 5", **changes)))
+    felt = TyreInput(3e3, 0.05, 0.06, 0.02, 10.0)
+    wanted = astuple(usual.forces(felt))
+    turned = {n: -changes[n] for n in ("PDY2", "RVY1", "QBZ10")}
+    file = write(model="FITTYP = 5", **{**changes, "PDY1": -1.0, **turned})
+    found = TyreOfFile(file=str(file))
+    assert found.content.turned and abs(wanted[1]) > 1e3
+    assert astuple(found.forces(felt)) == pytest.approx(wanted, rel=1e-12)
+    chrono = Pac2002(file=str(file), convention="chrono", combined="pacejka")
+    assert float(chrono.relaxation_lengths(felt).lateral) == 0.0

@@ -15,6 +15,7 @@ from vehicledyn.base.argument_names import argument
 from vehicledyn.base.errors import InputError, NumericalError, unknown_name
 from vehicledyn.base.files.column_files import Column, read_columns
 from vehicledyn.road.tyre_files.names import coefficients
+from vehicledyn.road.tyre_files.tyre_file import TURNED
 from vehicledyn.road.tyres.file_tyre import FileTyre
 from vehicledyn.road.tyres.tyre import TyreInput
 from vehicledyn.road.tyres.tyre_of_file import TyreOfFile
@@ -148,7 +149,8 @@ def fit_tyre(
         for n, s, v, h in zip(chosen, start, value, half, strict=True)
     )
     if output is not None:
-        write_fitted(tyre.path, {c.name: c.value for c in fitted}, output)
+        kept = {n: tyre.content.values[n] for n in TURNED if tyre.content.turned}
+        write_fitted(tyre.path, kept | {c.name: c.value for c in fitted}, output)
     if plots is not None:
         from vehicledyn.results.plots.picture_files import save_figures
         from vehicledyn.results.plots.tyres.tyre_fit_figures import fit_figures

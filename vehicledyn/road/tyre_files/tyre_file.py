@@ -23,9 +23,11 @@ _FORMATS = {"PAC2002": "pac2002", "MF_05": "pac2002"}
 _SIDES = ("LEFT", "RIGHT", "SYMMETRIC", "UNKNOWN")
 _POSITIVE = (
     *("FNOMIN", "UNLOADED_RADIUS", "LONGVL", "NOMPRES", "INFLPRES", "IP", "IP_NOM", "LFZO"),
-    *("PCX1", "PDX1", "PKX1", "PCY1", "PDY1"),
+    *("PCX1", "PDX1", "PKX1", "PCY1"),
 )
-_NOT_ZERO = ("PKY1", "PKY2")
+_NOT_ZERO = ("PKY1", "PKY2", "PDY1")
+TURNED = ("PDY1", "PDY2", "RVY1", "RVY2", "RVY3", "QBZ10")
+"""Coefficients that change sign with the lateral friction; the formula is the same then."""
 _RANGES = {
     "load": ("FZMIN", "FZMAX", "N"),
     "longitudinal_slip": ("KPUMIN", "KPUMAX", "1"),
@@ -65,6 +67,9 @@ class TyreFile:
         Names in the file that no law knows; they have no effect.
     texts
         Entries of the file that are words.
+    turned
+        Whether the file has a negative lateral friction, as old programs write it; ``values`` have
+        the coefficients :data:`TURNED` with the other sign.
     """
 
     path: Path
@@ -74,6 +79,7 @@ class TyreFile:
     given: frozenset[str]
     unknown: tuple[str, ...] = ()
     texts: Mapping[str, str] = field(default_factory=dict)
+    turned: bool = False
 
     @property
     def has_pressure(self) -> bool:
@@ -129,7 +135,10 @@ def _read(path: Path, changed: int, size: int) -> TyreFile:
     problems += implausible(found, {e.name: e for e in entries}, source) if not wrong else []
     if problems:
         raise refusal(problems, source)
-    return TyreFile(path, version, side.lower(), values, frozenset(found), unknown, texts)
+    turned = values["PDY1"] < 0.0
+    values |= {name: -values[name] for name in TURNED} if turned else {}
+    given = frozenset(found)
+    return TyreFile(path, version, side.lower(), values, given, unknown, texts, turned)
 
 
 def _version(entries: list[Entry], source: str, problems: list[Problem]) -> str:

@@ -8,6 +8,7 @@ from typing import ClassVar, Literal, Self
 from pydantic import Field, model_validator
 
 from vehicledyn.base.registry import register
+from vehicledyn.road.tyre_files.tyre_file import TURNED
 from vehicledyn.road.tyres.file_tyre import FileTyre, convention_of
 from vehicledyn.road.tyres.pacejka.coefficient_values import Coefficients
 from vehicledyn.road.tyres.pacejka.formula_52 import forces_52
@@ -53,6 +54,8 @@ class Pac2002(FileTyre):
         """Return the forces of a tyre that is not mirrored."""
         chosen = convention_of(self, ("standard", "angles", "chrono", "chrono_vehicle"))
         combined = self.combined or self._combined_of_file()
+        if chosen in _OF_CHRONO and self.content.turned:  # it turns the friction alone
+            p = p.changed(**{name: -getattr(p, name) for name in TURNED[2:]})
         if chosen == "chrono_vehicle":
             found = forces_chrono(p, on_a_chrono_vehicle(contact), combined)
             return replace(found, rolling_resistance=0.0)

@@ -187,11 +187,13 @@ def _aligning(
 
 
 def lengths_chrono(p: Coefficients, contact: TyreInput) -> RelaxationLengths:
-    """Return the relaxation lengths, the exponent of the load positive."""
+    """Return the relaxation lengths, the exponent positive; zero without coefficients."""
+    p = p.changed(**{name: 0.0 for name in ("PTX1", "PTY1", "PTY2") if not p.has(name)})
     s = state_of(p, contact)
     df = s.load_change
     growth = (p.PTX1 + p.PTX2 * df) * ops.exp(p.PTX3 * df) * p.LSGKP
     along = s.load * growth * p.UNLOADED_RADIUS / s.nominal
-    turned = ops.sin(2.0 * ops.atan(s.load / (p.PTY2 * s.nominal))) * p.LSGAL
+    place = s.load / (p.PTY2 * s.nominal) if p.PTY2 != 0.0 else 0.0
+    turned = ops.sin(2.0 * ops.atan(place)) * p.LSGAL
     lean = 1.0 - p.PKY3 * ops.absolute(s.camber)
     return RelaxationLengths(along, p.PTY1 * turned * lean * p.UNLOADED_RADIUS * p.LFZO)
