@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.files.scenario.settings import Settings, override_texts
@@ -12,14 +12,6 @@ from vehicledyn.interface.quantities import speed_in_si, texts
 from vehicledyn.interface.running import Progress, reporter, result_place
 from vehicledyn.interface.targets import Source, read_scenario, read_target
 from vehicledyn.results.labelled.data import LabelledData
-
-if TYPE_CHECKING:
-    from vehicledyn.base.step_memory import Memory
-    from vehicledyn.files.scenario.target import Target
-    from vehicledyn.results.tables.sensitivity_table import SensitivityTable
-
-_AT_SPEED = "linear", "response", "cycle"
-"""Analyses that have a speed of their own."""
 
 
 def sensitivity(
@@ -52,7 +44,8 @@ def sensitivity(
         velocity ratios, such as
         ``kinematics(ratio.wheel.z.wheel.toe_angle, wheel.z, 276 mm:356 mm:4)``; or of inverse
         dynamics, such as ``inverse(crank.angle_force)``, ``inverse(max(crank.angle_force))`` and
-        ``inverse(crank.angle.work)``.
+        ``inverse(crank.angle.work)``; or of an axle on the suspension rig, such as
+        ``rig(left.toe_gain, parallel)`` and ``rig(left.camber, roll, -2 deg:2 deg:4)``.
     to
         Parameters, by patterns such as ``parameters.front.*``, and start values of states, such
         as ``start.chassis.y``.
@@ -83,77 +76,41 @@ def sensitivity(
         If the run fails or its derivative does not exist.
     """
     from vehicledyn.analyses.preparation.target_digest import digests_to_keep
-    from vehicledyn.analyses.sensitivity.figure_kinds import analysis_of
+    from vehicledyn.analyses.sensitivity.known_analyses import ANALYSES, RUN, analysis_of
     from vehicledyn.analyses.sensitivity.refused_names import refuse_other_analyses
     from vehicledyn.analyses.sensitivity.report import SensitivityReport
     from vehicledyn.results.tables.sensitivity_table import write_sensitivity
 
     names, patterns, changes = texts("of", of), texts("to", to), override_texts(set, settings)
     refuse_other_analyses(names)
-    kinds_asked = {analysis_of(name) for name in names}
+    kinds_asked = list(dict.fromkeys(analysis_of(name) for name in names)) or [RUN]
     if len(kinds_asked) > 1:
         raise InputError(
-            "figures of the linearised model, of its responses, of limit cycles, of kinematics, "
-            "of inverse dynamics and of a run have results of their own; ask for them one after "
-            "the other"
+            f"figures of {' and '.join(kinds_asked)} are results of analyses of their own; ask for "
+            "them one after the other"
         )
-    kind = kinds_asked.pop() if kinds_asked else "run"
-    if speed is not None and kind not in _AT_SPEED:
+    kind, analysis = kinds_asked[0], ANALYSES[kinds_asked[0]]
+    if speed is not None and not analysis.has_speed:
         raise InputError(
             "speed: is for linearised models and limit cycles; a run has the scenario's speed"
         )
-    if along is not None and kind != "run":
+    if along is not None and kind != RUN:
         raise InputError("along: second derivatives are those of figures of a run's channels")
     with result_place(save_to, may_exist=overwrite, resume=resume) as place:
         reported, at = reporter(progress), None if speed is None else speed_in_si(speed)
-
-        def memory(target: Target, kinds: tuple[type, ...]) -> Memory:
-            digests = digests_to_keep(place.kept, [target])
-            return place.kept.memory("sensitivity", digests, names, patterns, at, kinds=kinds)
-
-        if kind in _AT_SPEED:
-            target = read_target(scenario, changes)
-            find, kinds = _finder(kind)
-            table = find(target, names, patterns, at, reported, memory=memory(target, kinds))
-        elif kind == "kinematic":
-            from vehicledyn.analyses.sensitivity import kinematic_curves
-
-            target = read_target(scenario, changes)
-            known = memory(target, kinematic_curves.KINDS)
-            table = kinematic_curves.find_kinematic_sensitivity(
-                target, names, patterns, reported, memory=known
-            )
-        elif kind == "inverse":
-            from vehicledyn.analyses.sensitivity.inverse_forces import find_inverse_sensitivity
-
-            loaded = read_scenario(scenario, changes)
-            known = memory(loaded, ())
-            table = find_inverse_sensitivity(loaded, names, patterns, reported, memory=known)
-        elif along is not None:
+        if along is not None:
             from vehicledyn.analyses.sensitivity.curvature import find_curvature
 
             loaded = read_scenario(scenario, changes)
             table = find_curvature(loaded, names, patterns, along, reported)
         else:
-            from vehicledyn.analyses.sensitivity import motion, motion_study
-
-            loaded = read_scenario(scenario, changes)
-            known = memory(loaded, motion_study.KINDS)
-            table = motion.find_motion_sensitivity(loaded, names, patterns, reported, memory=known)
+            read = read_scenario if analysis.of_scenario else read_target
+            target = read(scenario, changes)
+            find, kinds = analysis.load()
+            digests = digests_to_keep(place.kept, [target])
+            given = digests, names, patterns, at
+            memory = place.kept.memory("sensitivity", *given, kinds=kinds)
+            speeds = (at,) if analysis.has_speed else ()
+            table = find(target, names, patterns, *speeds, reported, memory=memory)
         write_sensitivity(place.path, table)
         return place.value(SensitivityReport(table))
-
-
-def _finder(kind: str) -> tuple[Callable[..., SensitivityTable], tuple[type, ...]]:
-    """Return what finds derivatives of linear models, responses or cycles, and what it keeps."""
-    if kind == "linear":
-        from vehicledyn.analyses.sensitivity import linear
-
-        return linear.find_linear_sensitivity, linear.KINDS
-    if kind == "cycle":
-        from vehicledyn.analyses.sensitivity import cycles
-
-        return cycles.find_cycle_sensitivity, cycles.KINDS
-    from vehicledyn.analyses.sensitivity.responses import find_response_sensitivity
-
-    return find_response_sensitivity, ()

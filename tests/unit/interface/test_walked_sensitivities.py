@@ -35,6 +35,15 @@ WALKS = {
         [f"kinematics({TURN})", f"kinematics(ratio.crank.angle.{TURN})"],
         {},
     ),
+    "rig": (
+        "double_wishbone_suspension",
+        [
+            *(f"rig(*, {test}, 20 mm)" for test in ("parallel", "steer")),
+            *(f"rig(*, {test})" for test in ("lateral", "longitudinal", "aligning")),
+            "rig(*, roll, 1 deg)",
+        ],
+        {},
+    ),
     "inverse": ("slider_crank", ["inverse(crank.angle_power)"], MOVED),
 }
 
@@ -61,7 +70,7 @@ def test_no_parameter_is_left_out(name):
         changes = {f"parameters.{p.name}": f"{float(v)!r} {p.unit}" for p, v in new if v}
         return _figures(model, of, {**settings, **changes})[1]
 
-    wide, near = ((moved(h) - moved(-h)) / (2.0 * h) for h in (1e-3, 5e-4))
+    wide, near = ((moved(h) - moved(-h)) / (2.0 * h) for h in (5e-4, 2.5e-4))
     expected = (4.0 * near - wide) / 3.0
     along, size = slopes @ parts, np.abs(slopes * parts).sum(axis=1)
     assert np.isfinite(along).all()
@@ -79,7 +88,7 @@ def test_every_analysis_is_asked_for_or_refused():
         and found.__annotations__.get("return") in ("LabelledData", "LinearModel")
     ]
     assert {"equilibrium", "rig", "hunt"} < set(analyses)
-    own = {"kinematics", "inverse", "open_result"}
+    own = {"kinematics", "inverse", "rig", "open_result"}
     assert not set(analyses) - own - set(REASONS)
 
 

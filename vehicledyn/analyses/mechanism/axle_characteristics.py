@@ -23,13 +23,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.symbolic.equations import Channel
 
-Array = NDArray[np.float64]
+Array = NDArray[Any]
 _LENGTH = ".length"
 _STILL = 1e-9
 """Share of the other velocity ratios below which a wheel does not rise."""
@@ -63,7 +64,7 @@ class AxleColumns:
                 words = f"Compression of {name} by the travel of {wheel.name}"
                 yield Channel(f"motion_ratio.{drive}.{wheel.name}.{name}", "1", words)
 
-    def values(self, values: Array, ratios: Array) -> list[float]:
+    def values(self, values: Array, ratios: Array) -> list[Any]:
         """Return the values at a place, not numbers where the drive does not lift the wheel.
 
         Parameters
@@ -73,17 +74,17 @@ class AxleColumns:
         ratios
             Velocity ratios by the drive, shape (n_channels + n_speeds,).
         """
-        found = []
+        found: list[Any] = []
         for wheel in self.wheels:
-            side = 0.0 if wheel.sideways is None else float(ratios[wheel.sideways])
-            up = float(ratios[wheel.upwards])
+            side = 0.0 if wheel.sideways is None else ratios[wheel.sideways]
+            up = ratios[wheel.upwards]
             lifts = abs(up) > _STILL * abs(side)
-            found.append(float(values[wheel.offset]) * side / up if lifts else np.nan)
+            found.append(values[wheel.offset] * side / up if lifts else np.nan)
         largest = float(np.nanmax(np.abs(ratios), initial=0.0))
         for wheel in self.wheels:
-            travel = float(ratios[wheel.height])
+            travel = ratios[wheel.height]
             lifts = abs(travel) > _STILL * largest
-            found += [float(-ratios[k]) / travel if lifts else np.nan for _, k in self.lengths]
+            found += [-ratios[k] / travel if lifts else np.nan for _, k in self.lengths]
         return found
 
 

@@ -14,13 +14,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.symbolic.equations import Channel
 
-Array = NDArray[np.float64]
+Array = NDArray[Any]
+"""Numbers, complex ones where steps into the complex plane differentiate what they give."""
 _AXES = ("x", "y", "z")
 _PARALLEL = 1e-9
 """Share of an axis's direction below which it is parallel to a plane [1]."""
@@ -91,7 +93,7 @@ def swing_channels(wheel: WheelColumns) -> Iterator[Channel]:
         yield Channel(f"swing.{wheel.name}.{name}", unit, words)
 
 
-def axis_values(wheel: WheelColumns, values: Array, ratios: Array) -> list[float]:
+def axis_values(wheel: WheelColumns, values: Array, ratios: Array) -> list[Any]:
     """Return the quantities of the instant axis, not numbers where there is none.
 
     A carrier that steers while it rises moves along a screw, which no line through the contact
@@ -112,7 +114,7 @@ def axis_values(wheel: WheelColumns, values: Array, ratios: Array) -> list[float
         return [float("nan")] * len((*STEERING, *CENTRES))
     contact = values[list(wheel.contact)]
     with np.errstate(divide="ignore", invalid="ignore"):
-        height = float(contact[2] + contact[1] * speed[1] / speed[2])
+        height = contact[2] + contact[1] * speed[1] / speed[2]
     return [*_steering(wheel, values, *line), *_centres(wheel, values, *line)[:-1], height]
 
 
@@ -146,30 +148,31 @@ def swing_values(wheel: WheelColumns, values: Array, first: Array, second: Array
 
 def _line(contact: Array, axis: Array, speed: Array) -> tuple[Array, Array] | None:
     """Return a point of the axis and its direction upwards, None where nothing turns."""
-    size = float(np.linalg.norm(axis))
-    if not size > 0.0 or not np.isfinite(size):
+    size = np.sqrt(axis @ axis)
+    if not size.real > 0.0 or not np.isfinite(size):
         return None
-    up = axis / size * (1.0 if axis[2] >= 0.0 else -1.0)
+    up = axis / size * (1.0 if axis[2].real >= 0.0 else -1.0)
     return contact + np.cross(axis, speed) / size**2, up
 
 
-def _steering(wheel: WheelColumns, values: Array, point: Array, up: Array) -> list[float]:
+def _steering(wheel: WheelColumns, values: Array, point: Array, up: Array) -> list[Any]:
     contact, steer = values[list(wheel.contact)], values[wheel.steer]
     side = 1.0 if wheel.is_left else -1.0
     ground = _pierced(point, up, 2, contact[2]) - contact
-    trail = float(ground[0] * np.cos(steer) + ground[1] * np.sin(steer))
-    offset = side * float(ground[0] * np.sin(steer) - ground[1] * np.cos(steer))
-    lean = [float(np.arctan2(-up[0], up[2])), float(np.arctan2(-side * up[1], up[2]))]
-    return [*lean, trail, offset, float(np.hypot(trail, offset))]
+    trail = ground[0] * np.cos(steer) + ground[1] * np.sin(steer)
+    offset = side * (ground[0] * np.sin(steer) - ground[1] * np.cos(steer))
+    with np.errstate(divide="ignore"):
+        lean = [np.arctan(-up[0] / up[2]), np.arctan(-side * up[1] / up[2])]
+    return [*lean, trail, offset, np.sqrt(trail * trail + offset * offset)]
 
 
-def _centres(wheel: WheelColumns, values: Array, point: Array, up: Array) -> list[float]:
+def _centres(wheel: WheelColumns, values: Array, point: Array, up: Array) -> list[Any]:
     contact, centre = values[list(wheel.contact)], values[list(wheel.centre)]
     front = _pierced(point, up, 0, centre[0])
     side = _pierced(point, up, 1, centre[1])
     slope = (front[2] - contact[2]) / (front[1] - contact[1])
     height = contact[2] - slope * contact[1]
-    return [float(front[1]), float(front[2]), float(side[0]), float(side[2]), float(height)]
+    return [front[1], front[2], side[0], side[2], height]
 
 
 def _pierced(point: Array, direction: Array, axis: int, level: float) -> Array:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from vehicledyn.analyses.mechanism.rig_bench import Bench
 from vehicledyn.analyses.mechanism.rig_quantities import Place
 from vehicledyn.analyses.mechanism.rig_report import RigReport, figures
-from vehicledyn.analyses.mechanism.rig_tests import TESTS, Controls, RigTest, of_one_wheel
+from vehicledyn.analyses.mechanism.rig_tests import TESTS, RigTest, of_one_wheel
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.base.argument_names import argument
 from vehicledyn.base.errors import InputError, NumericalError, unknown_name
@@ -74,20 +74,32 @@ def run_rig(
         If the loops cannot be assembled at the design position.
     """
     check_output(output)
-    if request.test not in TESTS:
-        raise InputError(unknown_name("test", request.test, TESTS))
-    test = TESTS[request.test]
-    values = _range(test, request.values)
+    test = named_test(request.test)
+    values = values_of(test, request.values)
     progress("assembling the axle", None)
     bench = Bench(target, request.steering)
-    _refuse(bench, request.test, target)
+    check_test(bench, request.test, target)
     bench.lift(request.travel)
     memory = (kept or KeptWork()).memory("rig", request, bench.facts)
-    swept = _swept(bench, test, values, progress, memory)
-    return _write(target, request.test, bench, swept, output)
+    found = swept(bench, test, values, partial(_row, bench, test), progress=progress, memory=memory)
+    return _write(target, request.test, bench, found, output)
 
 
-def _range(test: RigTest, text: str | None) -> Array:
+def named_test(name: str) -> RigTest:
+    """Return a test by its name; raises InputError if there is none."""
+    if name not in TESTS:
+        raise InputError(unknown_name("test", name, TESTS))
+    return TESTS[name]
+
+
+def values_of(test: RigTest, text: str | None) -> Array:
+    """Return values of a test's control, the usual ones if none are given.
+
+    Raises
+    ------
+    InputError
+        If the text is no range of values.
+    """
     if text is None:
         first, last, steps = test.usual
         return np.linspace(first, last, steps + 1)
@@ -97,7 +109,8 @@ def _range(test: RigTest, text: str | None) -> Array:
         raise InputError(f"values of {test.control}: {error}") from None
 
 
-def _refuse(bench: Bench, name: str, target: Target) -> None:
+def check_test(bench: Bench, name: str, target: Target) -> None:
+    """Raise InputError if a test needs what the axle has not."""
     if name == "steer" and not bench.steering:
         raise InputError(
             f"{target.origin}: the test 'steer' needs a coordinate that steers; name it with "
@@ -105,24 +118,52 @@ def _refuse(bench: Bench, name: str, target: Target) -> None:
         )
 
 
-def _swept(
-    bench: Bench, test: RigTest, values: Array, progress: Progress, memory: Memory
+def swept(
+    bench: Bench,
+    test: RigTest,
+    values: Array,
+    at: Callable[[float], Array],
+    *,
+    progress: Progress,
+    memory: Memory,
 ) -> tuple[Array, str]:
-    """Return rows of the control and all quantities, and where the way out ended before.
+    """Return what is found at each value of the control, and where the way out ended before.
 
     Two ways lead out from the value nearest to zero, so that each place is followed from its
     neighbour.
+
+    Parameters
+    ----------
+    bench, test
+        The axle and what it is put through.
+    values
+        Values of the control, ascending.
+    at
+        Returns what is wanted at a value, an array of always the same shape.
+    progress
+        Called with what is going on and the part done.
+    memory
+        Knows places found before.
+
+    Raises
+    ------
+    NumericalError
+        If the first place is not found.
     """
     middle = int(np.argmin(np.abs(values)))
     rows: dict[int, Array] = {}
     failure = ""
+
+    def found(value: float) -> tuple[Array, tuple[Array, Array]]:
+        return at(value), bench.place
+
     for way in (range(middle, len(values)), range(middle - 1, -1, -1)):
         bench.restart()
         for k in way:
             try:
                 value, place = float(values[k]), bench.place
                 rows[k], bench.place = memory.recall_or_raise(
-                    "place", (value, place), partial(_row_and_place, bench, test, value)
+                    "place", (value, place), partial(found, value)
                 )
             except NumericalError as error:
                 if not rows:
@@ -133,41 +174,56 @@ def _swept(
     return np.array([rows[k] for k in sorted(rows)]), failure
 
 
-def _row_and_place(bench: Bench, test: RigTest, value: float) -> tuple[Array, tuple[Array, Array]]:
-    """Return a row, and the place from which the next one is followed."""
-    return _row(bench, test, value), bench.place
+def ways(bench: Bench, test: RigTest) -> list[dict[str, float]]:
+    """Return the directions of the rig's parameters that the quantities of a test need slopes of.
+
+    The first is that of the control; those that lift one wheel come after it in a test that steers.
+    """
+    one_by_one = range(len(bench.corners)) if test.control == "steering" else ()
+    return [test.controls(bench, 1.0), *(of_one_wheel("travel", k)(bench, 1.0) for k in one_by_one)]
+
+
+def quantities(
+    bench: Bench,
+    test: RigTest,
+    seen: Mapping[str, complex],
+    slopes: Sequence[Mapping[str, complex]],
+) -> list[complex]:
+    """Return all quantities of a test at a place, analytic in what they are drawn from.
+
+    Parameters
+    ----------
+    bench, test
+        The axle and what it is put through.
+    seen
+        Channels at rest.
+    slopes
+        Theirs along the :func:`ways` of the test.
+    """
+    places = [_place(bench, k, seen, slopes[0]) for k in range(len(bench.corners))]
+    for k, lifted in enumerate(slopes[1:]):
+        places[k] = _steered(bench, k, places[k], seen, (slopes[0], lifted))
+    found = [item.value(place) for place in places for item in test.quantities]
+    return [*found, *_axle(bench, test, seen, slopes[0])]
 
 
 def _row(bench: Bench, test: RigTest, value: float) -> Array:
     seen = bench.at(test.controls(bench, value))
-
-    def slopes_by(controls: Controls, about: float, rest: Mapping[str, float]) -> dict[str, float]:
-        step = test.step
-        sides = [bench.at({**rest, **controls(bench, about + d)}) for d in (step, -step)]
-        return {n: (sides[0][n] - sides[1][n]) / (2.0 * step) for n in seen}
-
-    slopes = slopes_by(test.controls, value, {})
-    places = [_place(bench, k, seen, slopes) for k in range(len(bench.corners))]
-    if test.control == "steering":
-        rest = test.controls(bench, value)
-        for k, place in enumerate(places):
-            lifted = slopes_by(of_one_wheel("travel", k), 0.0, rest)
-            places[k] = _steered(bench, k, place, seen, (slopes, lifted))
-    found = [item.value(place) for place in places for item in test.quantities]
-    return np.array([value, *found, *_axle(bench, test, seen, slopes)])
+    found = quantities(bench, test, seen, bench.slopes(*ways(bench, test)))
+    return np.array([value, *found]).real
 
 
 def _steered(
     bench: Bench,
     corner: int,
     place: Place,
-    seen: Mapping[str, float],
-    slopes: tuple[Mapping[str, float], Mapping[str, float]],
+    seen: Mapping[str, complex],
+    slopes: tuple[Mapping[str, complex], Mapping[str, complex]],
 ) -> Place:
     """Return a wheel that also knows how it steers while its spring keeps its length."""
     by_steering, by_travel = slopes
     spring = max(bench.lengths, key=lambda name: abs(by_travel[name]), default=None)
-    share = 0.0
+    share: complex = 0.0
     if spring is not None and by_travel[spring] != 0.0:
         share = -by_steering[spring] / by_travel[spring]
     mixed = {n: by_steering[n] + share * by_travel[n] for n in seen}
@@ -175,7 +231,7 @@ def _steered(
 
 
 def _place(
-    bench: Bench, corner: int, seen: Mapping[str, float], slopes: Mapping[str, float]
+    bench: Bench, corner: int, seen: Mapping[str, complex], slopes: Mapping[str, complex]
 ) -> Place:
     head = f"{bench.corners[corner].name}."
     values, changes = (
@@ -188,8 +244,8 @@ def _place(
 
 
 def _axle(
-    bench: Bench, test: RigTest, seen: Mapping[str, float], slopes: Mapping[str, float]
-) -> list[float]:
+    bench: Bench, test: RigTest, seen: Mapping[str, complex], slopes: Mapping[str, complex]
+) -> list[complex]:
     """Return what is of the whole axle: roll stiffness, Ackermann difference, steering force."""
     names = [corner.name for corner in bench.corners]
     if test.control == "roll":
@@ -216,7 +272,8 @@ def _axle_channels(test: RigTest) -> Iterator[Channel]:
         )
 
 
-def _channels(bench: Bench, test: RigTest) -> list[Channel]:
+def channels_of(bench: Bench, test: RigTest) -> list[Channel]:
+    """Return the channels of a test: its control, then all quantities."""
     found = [Channel(test.control, test.unit, test.text)]
     for corner in bench.corners:
         found += [
@@ -231,7 +288,7 @@ def _write(
 ) -> RigReport:
     table, failure = swept
     test = TESTS[name]
-    channels = _channels(bench, test)
+    channels = channels_of(bench, test)
     known = [k for k in range(len(channels)) if np.isfinite(table[:, k]).any()]
     channels, table = [channels[k] for k in known], table[:, known]
     status = "failed" if failure else "ok"

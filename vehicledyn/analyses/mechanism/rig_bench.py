@@ -98,12 +98,22 @@ class Bench:
         Coordinate that steers, empty where nothing does.
     channels
         All channels of the system by name.
+    held
+        Coordinates that stand still where expressions of parameters say.
     heights
         Heights of the contact points in the design position [m].
     design_tracks
         y of the contact points in the design position [m].
     lengths
         Channels of the lengths of springs and dampers.
+    design
+        The axle in the design position.
+    equations
+        Those of the axle on the rig.
+    controls
+        Names of the rig's parameters.
+    pairs
+        States that are free at rest, and the rates that vanish.
     place
         States and unknowns at the place asked for last.
     """
@@ -127,38 +137,42 @@ class Bench:
         self.corners = _corners(system, target)
         self.steering = _steering(system, steering)
         system = _stripped(system, target, self.corners, self.steering)
-        positions = Positions(system)
-        place = dict(
-            zip(
-                (c.name for c in positions.channels), positions.values(positions.start), strict=True
-            )
-        )
+        self.design = Positions(system)
+        values = self.design.values(self.design.start)
+        place = dict(zip((c.name for c in self.design.channels), values, strict=True))
         self.heights = tuple(place[f"{corner.name}.contact_z"] for corner in self.corners)
         self.design_tracks = tuple(place[f"{corner.name}.contact_y"] for corner in self.corners)
+        held = {c.name for c in self.design.coordinates if c.role == "driven"} - {self.steering}
+        self.held = sorted(held & {*system.starts})
         system = self._mounted(system)
         system = replace(system, constraint_method="partitioning")
-        self._equations = derive(system)
-        self._kernel = compile_kernel(self._equations, backend="interpreted")
-        self._derivatives = Derivatives(self._equations)
-        self._names = [p.name for p in self._equations.parameters]
-        self.channels = {c.name: c for c in self._equations.channels}
-        e = self._equations
+        e = self.equations = derive(system)
+        self._kernel = compile_kernel(e, backend="interpreted")
+        self._names = [p.name for p in e.parameters]
+        self.controls = tuple(name for name in self._names if name.startswith("rig."))
+        self._derivatives = Derivatives(e, self.controls)
+        self.channels = {c.name: c for c in e.channels}
         state = start_values(e)
         state[list(e.velocities)] = 0.0
         moving = {*e.positions, *e.velocities}
         further = [k for k in range(len(e.states)) if k not in moving]
-        self._free, self._balanced = [*e.positions, *further], [*e.velocities, *further]
-        self.place = state, np.array([u.start for u in self._equations.unknowns])
+        self.pairs = [*e.positions, *further], [*e.velocities, *further]
+        self.place = state, np.array([u.start for u in e.unknowns])
         self._lift = 0.0
         self.lengths = tuple(
-            c.name for c in self._equations.channels if c.unit == "m" and c.name.endswith(".length")
+            c.name for c in e.channels if c.unit == "m" and c.name.endswith(".length")
         )
         self._begin = self.place
 
     @property
     def facts(self) -> tuple[Any, ...]:
         """What distinguishes this axle from others."""
-        return model_facts(self._equations, [p.value for p in self._equations.parameters])
+        return model_facts(self.equations, [p.value for p in self.equations.parameters])
+
+    @property
+    def parameters(self) -> Array:
+        """Parameters at the place asked for last, those of the rig among them."""
+        return self._kernel.parameters.copy()
 
     def restart(self) -> None:
         """Follow the next place from the design position."""
@@ -172,7 +186,7 @@ class Bench:
         """Return the channel of the load of a wheel, positive upwards [N]."""
         return f"rig.pad_{corner}.multiplier"
 
-    def turn(self, corner: int, seen: Mapping[str, float]) -> Array:
+    def turn(self, corner: int, seen: Mapping[str, complex]) -> NDArray[Any]:
         """Return the rotation of a carrier among the channels of a place, shape (3, 3)."""
         return np.array([[seen[f"rig.{corner}.turn_{i}{j}"] for j in range(3)] for i in range(3)])
 
@@ -182,7 +196,7 @@ class Bench:
         Parameters
         ----------
         values
-            Parameters of the rig by name, see :meth:`names`; the others are zero.
+            Parameters of the rig by name, see ``controls``; the others are zero.
 
         Raises
         ------
@@ -198,19 +212,40 @@ class Bench:
                 numbers[k] = values.get(name, 0.0) + lift
         self._kernel.set_parameters(numbers)
         found = find_equilibrium(
-            self._equations,
+            self.equations,
             self._kernel,
             time=0.0,
             state=self.place[0].copy(),
             unknowns=self.place[1].copy(),
-            free=self._free,
-            balanced=self._balanced,
+            free=self.pairs[0],
+            balanced=self.pairs[1],
             tolerance=BALANCE_TOLERANCE,
             derivatives=self._derivatives,
         )
         self.place = found.state, found.unknowns
         outputs = self._kernel.outputs(0.0, found.state, found.unknowns)
         return dict(zip(self.channels, map(float, outputs), strict=True))
+
+    def slopes(self, *ways: Mapping[str, float]) -> list[dict[str, float]]:
+        """Return how all channels at rest follow the rig's parameters, at the place asked for last.
+
+        Parameters
+        ----------
+        ways
+            Directions: changes of the rig's parameters by name; the others stay.
+
+        Raises
+        ------
+        NumericalError
+            If the loops are singular there.
+        """
+        total = self._derivatives.total(0.0, *self.place, self._kernel.parameters)
+        free, balanced = self.pairs
+        along = np.array([[way.get(name, 0.0) for way in ways] for name in self.controls])
+        pushed = total.rates_by_parameter[balanced] @ along
+        moved = np.linalg.lstsq(total.rates[np.ix_(balanced, free)], -pushed, rcond=1e-12)[0]
+        rows = total.outputs[:, free] @ moved + total.outputs_by_parameter @ along
+        return [dict(zip(self.channels, map(float, row), strict=True)) for row in rows.T]
 
     def _mounted(self, system: System) -> System:
         """Return the system with pads, loads and a steering that is set."""
@@ -224,11 +259,17 @@ class Bench:
             parts.append(_PadLoad(f"rig.{k}", corner, given))
             pads.append(_pad(k, corner, self.heights[k] + travel))
         if self.steering:
-            rack = table.add("rig.steering", 0.0, "m", "Steering coordinate")
-            start = next(j.start for j in system.joints() if j.name == self.steering)
-            parts.append(TimeLaw("rig.steering", self.steering, lambda _: start + rack))
+            parts.append(_set(system, "rig.steering", self.steering))
+        parts += [_set(system, f"rig.held.{name}", name) for name in self.held]
         mounted = system.with_parts(*parts)
         return replace(mounted, constraints=(*mounted.constraints, *pads))
+
+
+def _set(system: System, name: str, coordinate: str) -> TimeLaw:
+    """Return what keeps a coordinate at its start and the value of a new parameter."""
+    joint = next(j for j in system.joints() if j.name == coordinate)
+    beyond = system.table.add(name, 0.0, joint.unit, f"{coordinate} from its start")
+    return TimeLaw(name, coordinate, lambda _: joint.start + beyond)
 
 
 def _pad(number: int, corner: WheelAngles, height: Scalar) -> UserConstraint:

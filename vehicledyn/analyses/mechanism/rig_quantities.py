@@ -25,13 +25,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyses.mechanism.instant_axes import STEERING, WheelColumns, axis_values
 
-Array = NDArray[np.float64]
+Array = NDArray[Any]
 
 
 @dataclass(frozen=True)
@@ -51,8 +52,8 @@ class Place:
     """
 
     is_left: bool
-    values: Mapping[str, float]
-    slopes: Mapping[str, float]
+    values: Mapping[str, complex]
+    slopes: Mapping[str, complex]
     turn: Array
     turn_slope: Array
     steered: Place | None = None
@@ -83,12 +84,16 @@ class Place:
 
 @dataclass(frozen=True)
 class Quantity:
-    """A quantity of a wheel on the rig; ``value`` takes the :class:`Place`."""
+    """A quantity of a wheel on the rig; ``value`` takes the :class:`Place`.
+
+    It is analytic in the numbers of the place, so that steps into the complex plane differentiate
+    it.
+    """
 
     name: str
     unit: str
     description: str
-    value: Callable[[Place], float]
+    value: Callable[[Place], complex]
 
 
 def _value(channel: str, unit: str, text: str) -> Quantity:
@@ -99,37 +104,37 @@ def _slope(name: str, channel: str, unit: str, text: str, factor: float = 1.0) -
     return Quantity(name, unit, text, lambda place: factor * place.slopes[channel])
 
 
-def _roll_centre(place: Place) -> float:
+def _roll_centre(place: Place) -> complex:
     v, y = place.contact_motion, place.values["contact_y"]
-    return float(np.divide(y * v[1], v[2]))
+    return complex(np.divide(y * v[1], v[2]))
 
 
-def _braking(place: Place) -> float:
+def _braking(place: Place) -> complex:
     v = place.contact_motion
-    return float(np.arctan(np.divide(v[0], v[2])))
+    return complex(np.arctan(np.divide(v[0], v[2])))
 
 
-def _driving(place: Place) -> float:
+def _driving(place: Place) -> complex:
     v = place.centre_motion
-    return float(np.arctan(np.divide(-v[0], v[2])))
+    return complex(np.arctan(np.divide(-v[0], v[2])))
 
 
-def _named(name: str) -> Callable[[Place], float]:
+def _named(name: str) -> Callable[[Place], complex]:
     """Return a quantity of the steering axis that the sensor names, not a number without one."""
     return lambda place: place.values.get(name, float("nan"))
 
 
-def _instant(number: int, name: str) -> Callable[[Place], float]:
+def _instant(number: int, name: str) -> Callable[[Place], complex]:
     """Return a quantity of the named steering axis, else of the instant axis."""
 
-    def value(place: Place) -> float:
+    def value(place: Place) -> complex:
         if name in place.values:
             return place.values[name]
         wheel = WheelColumns("", place.is_left, (0, 1, 2), (3, 4, 5), 6, (0, 1, 2), (3, 4, 5))
         seen = np.array([*place.point(""), *place.point("contact_"), place.values["steer_angle"]])
         moving = place.steered or place
         ratios = np.array([*moving.turning, *moving.contact_motion])
-        return axis_values(wheel, seen, ratios)[number]
+        return complex(axis_values(wheel, seen, ratios)[number])
 
     return value
 
@@ -174,7 +179,7 @@ BY_SIDE_FORCE = (
         "lateral_compliance",
         "m/N",
         "Contact point to the left by the force",
-        lambda p: float(p.contact_motion[1]),
+        lambda p: complex(p.contact_motion[1]),
     ),
     Quantity(
         "roll_centre_height",
@@ -188,14 +193,14 @@ BY_LONGITUDINAL_FORCE = (
         "longitudinal_compliance",
         "m/N",
         "Contact point forward by the force",
-        lambda p: float(p.contact_motion[0]),
+        lambda p: complex(p.contact_motion[0]),
     ),
     _slope("centre_compliance", "x", "m/N", "Wheel centre forward by the force"),
     Quantity(
         "brake_support_angle",
         "rad",
         "Support angle of braking by the forces",
-        lambda p: float(np.arctan(-p.slopes["load"])),
+        lambda p: complex(np.arctan(-p.slopes["load"])),
     ),
 )
 BY_MOMENT = (

@@ -16,14 +16,13 @@ Controls = Callable[[Bench, float], dict[str, float]]
 class RigTest:
     """A test: what it controls, over which range if none is given, and what it shows.
 
-    ``step`` is the change of the control that slopes are taken over, both ways.
+    ``controls`` are linear: those of 1 are the direction that slopes are along.
     """
 
     control: str
     unit: str
     text: str
     usual: tuple[float, float, int]
-    step: float
     controls: Controls
     quantities: tuple[Quantity, ...]
 
@@ -49,7 +48,6 @@ TESTS = {
         "m",
         "Travel of the contact points upwards",
         (-0.06, 0.06, 24),
-        1e-5,
         _each("travel"),
         (*q.ANGLES, *q.POSITION, *q.LOAD, *q.TRAVEL, *q.LIFTING, *q.NAMED_AXIS),
     ),
@@ -58,7 +56,6 @@ TESTS = {
         "rad",
         "Roll of the wheels against the body, positive where the left wheel rises",
         (-0.06, 0.06, 24),
-        1e-5,
         _rolled,
         (*q.ANGLES, *q.POSITION, *q.LOAD, *q.ROLL),
     ),
@@ -67,7 +64,6 @@ TESTS = {
         "m",
         "Steering coordinate",
         (-0.05, 0.05, 20),
-        1e-5,
         lambda _, value: {"rig.steering": value},
         (*q.ANGLES, *q.POSITION, *q.LOAD, *q.STEER, *q.AXIS),
     ),
@@ -76,7 +72,6 @@ TESTS = {
         "N",
         "Side force to the left at each contact point",
         (-3000.0, 3000.0, 12),
-        10.0,
         _each("force_y"),
         (*q.ANGLES, *q.LOAD, *q.BY_FORCE, *q.BY_SIDE_FORCE),
     ),
@@ -85,7 +80,6 @@ TESTS = {
         "N",
         "Force forward at each contact point, the wheel held on its carrier",
         (-3000.0, 3000.0, 12),
-        10.0,
         _each("force_x"),
         (*q.ANGLES, *q.LOAD, *q.BY_FORCE, *q.BY_LONGITUDINAL_FORCE),
     ),
@@ -94,7 +88,6 @@ TESTS = {
         "N*m",
         "Moment to the left about the vertical axis at each wheel",
         (-100.0, 100.0, 10),
-        1.0,
         _each("moment"),
         (*q.ANGLES, *q.LOAD, *q.BY_MOMENT),
     ),

@@ -1,4 +1,4 @@
-"""Which analysis a figure belongs to, told from its name, so that only that analysis is loaded."""
+"""What a figure is of, told from its name."""
 
 from __future__ import annotations
 
@@ -17,8 +17,6 @@ CYCLE_WORDS = {
 }
 CYCLE_FIGURE = re.compile(rf"({'|'.join(CYCLE_WORDS)})\((.+)\)")
 
-_KINEMATIC = re.compile(r"kinematics\(.*\)")
-_INVERSE = re.compile(r"inverse\(.*\)")
 _RESPONSE = re.compile(r"(gain|phase|peak_gain|peak_frequency)\(.*\)")
 
 
@@ -37,34 +35,6 @@ def is_cycle(name: str) -> bool:
     return name == NONLINEAR or name in WHOLE or CYCLE_FIGURE.fullmatch(name) is not None
 
 
-def is_kinematic(name: str) -> bool:
-    """Return whether a name asks for a kinematic curve, ``kinematics(CHANNEL, DRIVE, VALUES)``."""
-    return _KINEMATIC.fullmatch(name) is not None
-
-
-def is_inverse(name: str) -> bool:
-    """Return whether a name asks for inverse dynamics, ``inverse(CHANNEL)``."""
-    return _INVERSE.fullmatch(name) is not None
-
-
 def is_response(name: str) -> bool:
     """Return whether a name asks for a frequency response, such as ``gain(y, u, 2 Hz)``."""
     return _RESPONSE.fullmatch(name) is not None and "," in name
-
-
-def analysis_of(name: str) -> str:
-    """Return the analysis a name belongs to.
-
-    "linear", "response", "cycle", "kinematic", "inverse" or, for all others, "run".
-
-    >>> analysis_of("inverse(crank.angle_force)"), analysis_of("max(chassis.roll)")
-    ('inverse', 'run')
-    """
-    known = {
-        "linear": is_linear,
-        "response": is_response,
-        "cycle": is_cycle,
-        "kinematic": is_kinematic,
-        "inverse": is_inverse,
-    }
-    return next((kind for kind, is_one in known.items() if is_one(name)), "run")

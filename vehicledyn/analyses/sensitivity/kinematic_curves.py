@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from fnmatch import fnmatchcase
 from functools import partial
 
 import numpy as np
@@ -25,7 +24,8 @@ from vehicledyn.analyses.mechanism.kinematics import ratio_channel
 from vehicledyn.analyses.mechanism.mechanism_path import Drive, run_sweep
 from vehicledyn.analyses.preparation.build_model import build_subject
 from vehicledyn.analyses.preparation.prepared import Progress
-from vehicledyn.base.errors import InputError, NumericalError, nearest_name, unknown_name
+from vehicledyn.analyses.sensitivity.names import matching
+from vehicledyn.base.errors import InputError, NumericalError, unknown_name
 from vehicledyn.base.ranges import read_range
 from vehicledyn.base.step_memory import Memory
 from vehicledyn.base.units import shown
@@ -74,7 +74,7 @@ def find_kinematic_sensitivity(
     progress("assembling the loops", None)
     system = build_subject(target).system
     positions = Positions(system)
-    chosen = _parameters(positions, to, system.name)
+    chosen = matching([entry.name for entry in positions.parameters], to, system.name)
     figures, values, slopes = [], [], []
     for (channel, drive, text), name in zip(asked, of, strict=True):
         machine, places = _driven(positions, drive, text, name)
@@ -193,21 +193,6 @@ def _driven(
         return machine, tuple(read_range(text).values(units[drive]))
     except InputError as error:
         raise InputError(f"'{name}': {error}") from None
-
-
-def _parameters(positions: Positions, to: Sequence[str], model: str) -> list[int]:
-    """Return the numbers of the parameters that patterns name."""
-    names = [entry.name for entry in positions.parameters]
-    chosen: list[int] = []
-    for pattern in to:
-        own = pattern.removeprefix("parameters.")
-        found = [k for k, name in enumerate(names) if fnmatchcase(name, own)]
-        if not found:
-            guess = nearest_name(own, names)
-            hint = f"; did you mean '{guess}'?" if guess else ""
-            raise InputError(f"'{pattern}' matches no parameter of '{model}'{hint}")
-        chosen += [k for k in found if k not in chosen]
-    return chosen
 
 
 def _parsed(name: str) -> tuple[str, str, str]:

@@ -42,6 +42,26 @@ class Wanted:
     others: list[str] = field(default_factory=list)
 
 
+def matching(names: Sequence[str], to: Sequence[str], model: str) -> list[int]:
+    """Return the numbers of the parameters that patterns name, with or without ``parameters.``.
+
+    Raises
+    ------
+    InputError
+        If a pattern matches none.
+    """
+    chosen: list[int] = []
+    for pattern in to:
+        own = pattern.removeprefix(_PARAMETERS)
+        found = [k for k, name in enumerate(names) if fnmatchcase(name, own)]
+        if not found:
+            guess = nearest_name(own, names)
+            hint = f"; did you mean '{guess}'?" if guess else ""
+            raise InputError(f"'{pattern}' matches no parameter of '{model}'{hint}")
+        chosen += [k for k in found if k not in chosen]
+    return chosen
+
+
 def directions(
     equations: Equations, values: NDArray[np.float64], state: NDArray[np.float64], to: Sequence[str]
 ) -> Directions:

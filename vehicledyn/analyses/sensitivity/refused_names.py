@@ -13,8 +13,6 @@ _SEARCHED = "its results are found by searches and simulations of their own"
 _GEOMETRY = "it computes geometry of files, which stand in no equations"
 _STUDY = "a study is no function of one set of parameters"
 REASONS = {
-    "rig": "its places are balances of forces on pads; ask for kinematics(...) of positions and "
-    "their velocity ratios, and for equilibrium.NAME of a whole model",
     "steady": f"{_SEARCHED}; ask for figures of a run of manoeuvre constant_radius",
     "handling": f"{_SEARCHED}; ask for figures of the run of one test",
     "hunt": "its cycles have names of their own, cycle_amplitude(CHANNEL) and the like, critical "

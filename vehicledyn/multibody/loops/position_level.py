@@ -41,8 +41,8 @@ class Positions:
     ----------
     coordinates
         All coordinates, in the order of every array of them.
-    start
-        The assembled start, shape (n_coordinates,).
+    written, start
+        The start as it is written and as it is assembled, each of shape (n_coordinates,).
     channels
         Coordinates, and the channels of parts that depend on positions; what depends on rates
         too is shown at rest.
@@ -78,9 +78,8 @@ class Positions:
         )
         place = LoopAssembly(symbols.joints, self._gaps, 0.0, locked(system, symbols))
         moment = AssemblyState()
-        self.start = place.assembled_by(
-            start_values(system, symbols, motion, moment), guesses(system, symbols, moment.time)
-        )
+        self.written = start_values(system, symbols, motion, moment)
+        self.start = place.assembled_by(self.written, guesses(system, symbols, moment.time))
         self.coordinates = tuple(
             CoordinateFacts(j.name, j.unit, j.description or j.name, j.role) for j in symbols.joints
         )
