@@ -140,7 +140,9 @@ def test_a_sine_with_dwell_waits_at_its_second_peak_and_ends_in_the_middle(tmp_p
         at = np.interp([quarter, 3 * quarter, 3 * quarter + 0.01, 4 * quarter + 0.01], time, rack)
         assert at == pytest.approx([6e-3, -6e-3, -6e-3, 0.0], abs=1.5e-4)
         rate = result.channel("body.yaw_rate").values
-        later = np.interp(0.26 + 1.75, time, np.abs(rate)) / np.abs(rate[time >= 0.125]).max()
+        after = -rate[time >= 0.125] * np.sign(rate[np.argmax(np.abs(rate) * (time <= 0.125))])
+        peak = after[1 + np.argmax((after[1:-1] > after[:-2]) & (after[1:-1] >= after[2:]))]
+        later = np.interp(0.26 + 1.75, time, np.abs(rate)) / peak
         found = result.summary["second_yaw_rate_ratio"].value
         assert found == pytest.approx(later, rel=1e-9)
         ratios = [result.summary[f"{n}_yaw_rate_ratio"].value for n in ("first", "second")]

@@ -9,7 +9,7 @@ import pytest
 import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.registry import find
-from vehicledyn.road.manoeuvres.sine_dwell_test import SineDwellTest, Verdict
+from vehicledyn.road.manoeuvres.sine_dwell_test import SineDwellTest
 from vehicledyn.road.manoeuvres.steering_signal import SteeringSignal, sine_with_dwell
 from vehicledyn.road.manoeuvres.time_table import TimeTable
 from vehicledyn.road.standards.braking import STOPPED, deceleration_figures
@@ -23,6 +23,7 @@ from vehicledyn.road.standards.frequency_response import transient_response
 from vehicledyn.road.standards.gradients import initial_gradient
 from vehicledyn.road.standards.hysteresis import loop_of
 from vehicledyn.road.standards.signals import Signals
+from vehicledyn.road.standards.sine_dwell import Dwelling, Verdict, judged
 from vehicledyn.road.standards.steering_shares import STANDARD_GRAVITY, angle_at_third_g
 from vehicledyn.road.standards.step_response import half_of_step, step_response
 from vehicledyn.symbolic import ops
@@ -117,6 +118,33 @@ def test_a_sine_with_dwell_coasts_and_asks_less_of_a_heavy_car():
     aside = Verdict(0.1, 0.1, 1.6)
     assert aside.is_responsive(3600.0)
     assert not aside.is_responsive(3500.0)
+
+
+def test_the_peak_of_a_sine_with_dwell_is_the_first_behind_the_reversal():
+    """A car that goes on to spin, to either side, is no better for its large yaw rate."""
+    time = np.linspace(0.0, 4.0, 4001)
+    given = Dwelling(0.0, 0.7, 0.5, math.radians(10.0))
+    end = 1.0 / 0.7 + 0.5
+    places = [0.0, 0.4, 0.8, 1.2, 1.6, end + 1.0, end + 1.75, 4.0]
+    spinning = np.interp(time, places, [0.0, 0.9, 0.6, -0.5, -0.4, -1.4, -2.0, -4.0])
+    for way in (1.0, -1.0):
+        verdict = judged(time, way * spinning, np.zeros_like(time), given)
+        assert verdict.first_ratio == pytest.approx(1.4 / 0.5, rel=1e-2)
+        assert verdict.second_ratio == pytest.approx(2.0 / 0.5, rel=1e-2)
+    never = judged(time, np.minimum(time, 1.0), np.zeros_like(time), given)
+    assert never.first_ratio == math.inf
+    assert not never.is_stable
+
+
+def test_the_displacement_of_a_sine_with_dwell_counts_from_5_degrees():
+    time = np.linspace(0.0, 2.0, 2001)
+    given = Dwelling(0.0, 0.7, 0.5, math.radians(10.0))
+    begun = math.asin(0.5) / (2.0 * math.pi * 0.7)
+    verdict = judged(time, np.sin(time), time**2, given)
+    assert verdict.displacement == pytest.approx((begun + 1.07) ** 2 - begun**2, rel=1e-6)
+    front_wheels = Dwelling(0.0, 0.7, 0.5, None)
+    verdict = judged(time, np.sin(time), time**2, front_wheels)
+    assert verdict.displacement == pytest.approx(1.07**2, rel=1e-6)
 
 
 @pytest.mark.parametrize("kind", ["straight_braking", "split_braking", "acceleration"])

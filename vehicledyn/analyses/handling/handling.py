@@ -62,12 +62,10 @@ def handling_table(
 
 def _conditions(car: TestedCar) -> Iterator[KeyFigure]:
     """Yield the car as it is tested, which reports give by ISO 15037-1."""
-    loads, name = car.wheel_loads, "conditions"
+    name = "conditions"
     words = "Mass on the wheels, as loaded in the model (ISO 15037-1, loading conditions)"
     yield KeyFigure(name, "mass", car.mass, "kg", words)
-    front = sum(loads[corner.name] for corner in car.vehicle.corners if corner.is_front)
-    share = front / sum(loads.values())
-    yield KeyFigure(name, "front_share", share, "1", "Part of it on the front wheels")
+    yield KeyFigure(name, "front_share", car.front_share, "1", "Part of it on the front wheels")
     wheelbase = car.worth(car.vehicle.wheelbase)
     yield KeyFigure(name, "wheelbase", wheelbase, "m", "Wheelbase")
     words = "Steering-wheel angle over that of the front wheels"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TypeVar
@@ -12,6 +12,7 @@ import numpy as np
 
 from vehicledyn.analyses.handling.circle import constant_speed
 from vehicledyn.analyses.handling.cornering_modes import CorneringModes
+from vehicledyn.analyses.handling.dwell_series import dwell_series
 from vehicledyn.analyses.handling.response_sheets import (
     ANSWERS,
     measured_responses,
@@ -24,7 +25,7 @@ from vehicledyn.analyses.handling.tip_up_search import tip_up_search
 from vehicledyn.analyses.handling.turn_equations import Turn
 from vehicledyn.analyses.handling.turn_paths import reached
 from vehicledyn.base.errors import InputError, NumericalError
-from vehicledyn.results.tables.handling_table import TRUTH, KeyFigure, Sheet
+from vehicledyn.results.tables.handling_table import KeyFigure, Sheet
 from vehicledyn.road.manoeuvres.driving_test import DrivingTest
 from vehicledyn.road.manoeuvres.frequency_test import FREQUENCIES
 from vehicledyn.road.manoeuvres.kinds.braking.braking_in_turn import BrakingInTurn
@@ -61,9 +62,6 @@ how long a run takes; a mean deceleration of 2.5 m/s² stops the car in it [s]."
 
 _PARTS_BRAKED = (1.0, 0.75, 0.5, 0.35)
 """Parts of the wanted deceleration that are tried where wheels lock before."""
-
-_LARGEST_ANGLE = math.radians(270.0)
-_CAP = math.radians(300.0)
 
 
 @dataclass
@@ -108,16 +106,26 @@ class StandardTests:
             return None
 
     def slowly_increasing_steer(self) -> float | None:
-        """Run the slowly increasing steer; return the steering angle at 0.3 g [rad]."""
-        last = self._angle(_TOWN, self._level("slowly increasing steer", 4.8, 0.95))
-        rate = math.radians(13.5) if self._has_wheel else last / 15.0
-        test = SlowlyIncreasingSteer(speed_control=self._control, angle=1.05 * last, rate=rate)
-        run = self._run("slowly_increasing_steer", test, _TOWN, 0.5 + 1.05 * last / rate + 0.5)
+        """Run the slowly increasing steer to both sides; return the mean angle at 0.3 g [rad]."""
+        last = 1.05 * self._angle(_TOWN, self._level("slowly increasing steer", 4.8, 0.95))
+        rate = math.radians(13.5) if self.solver.car.has_steering_wheel else last / 15.75
+        name, duration = "slowly_increasing_steer", 0.5 + last / rate + 0.5
+
+        def test(angle: float) -> SlowlyIncreasingSteer:
+            return SlowlyIncreasingSteer(speed_control=self._control, angle=angle, rate=rate)
+
+        runs = [
+            self._run(name, test(last), _TOWN, duration),
+            self._drive(f"{name.replace('_', ' ')} to the right", test(-last), _TOWN, duration),
+        ]
         try:
-            return angle_at_third_g(run.signals)
+            angles = [angle_at_third_g(run.signals) for run in runs]
         except InputError as error:
             self.notes.append(f"slowly increasing steer: {error}")
             return None
+        words = "Steering-wheel angle A at 0.3 g, mean of both sides"
+        self.figures.append(KeyFigure(name, "mean_angle_at_third_g", sum(angles) / 2, "rad", words))
+        return sum(angles) / 2
 
     def transients(self) -> None:
         """Run ISO 7401's step and single sine at 4 m/s²."""
@@ -163,60 +171,36 @@ class StandardTests:
         self._run("weave", test, _MOTORWAY, 11.0)
 
     def sine_with_dwell(self, third_g: float) -> None:
-        """Run the sine with dwell from 1.5 A in steps of 0.5 A, up to 6.5 A or 270 deg."""
-        largest = 6.5 * third_g
-        if self._has_wheel:
-            largest = min(max(largest, _LARGEST_ANGLE), _CAP)
-        amplitudes = np.append(np.arange(1.5, largest / third_g - 1e-9, 0.5), largest / third_g)
-        passed, count = True, 0
-        worst = [0.0, 0.0, math.inf]
-        for part in amplitudes:
-            test = SineDwellTest(speed_control=self._control, amplitude=float(part) * third_g)
-            run = self._drive(f"sine with dwell, {part:.3g} A", test, _TOWN, 5.0)
-            verdict = test.verdict(run.signals)
-            responds = verdict.is_responsive(self.solver.car.mass)
-            count += 1
-            worst = [
-                max(worst[0], verdict.first_ratio),
-                max(worst[1], verdict.second_ratio),
-                min(worst[2], verdict.displacement) if part >= 5.0 else worst[2],
-            ]
-            if not (verdict.is_stable and (part < 5.0 or responds)) or run.ended_by:
-                passed = False
-                break
-        name = "sine_with_dwell"
-        self.sheets[name] = sheet_of(run)
-        add = self.figures.append
-        add(KeyFigure(name, "passed", passed, TRUTH, "Whether all amplitudes pass"))
-        words = "Largest amplitude that was driven, over that at 0.3 g"
-        add(KeyFigure(name, "last_amplitude", float(part), "1", words))
-        add(KeyFigure(name, "runs", count, "1", "Number of runs to one side"))
-        for key, value, words in (
-            ("first_yaw_rate_ratio", worst[0], "Largest yaw rate 1 s after the end over its peak"),
-            ("second_yaw_rate_ratio", worst[1], "Largest one 1.75 s after the end over its peak"),
-        ):
-            add(KeyFigure(name, key, value, "1", words))
-        if math.isfinite(worst[2]):
-            words = "Least lateral displacement 1.07 s after the begin, from 5 A on"
-            add(KeyFigure(name, "lateral_displacement", worst[2], "m", words))
+        """Run the sine with dwell to both sides, from 1.5 A in steps of 0.5 A."""
+
+        def run(words: str, test: SineDwellTest) -> DrivenTest:
+            return self._drive(words, test, _TOWN, 5.0)
+
+        shown, figures, notes = dwell_series(
+            self.solver.car, third_g, control=self._control, drive=run
+        )
+        self.sheets["sine_with_dwell"] = sheet_of(shown)
+        self.figures += figures
+        self.notes += notes
 
     def fishhook(self, third_g: float) -> None:
         """Run the fishhook with roll-rate feedback at growing speeds until the car tips up."""
 
-        def test_at(speed: float) -> DrivingTest:
-            test = Fishhook(speed_control=self._control, angle=6.5 * third_g, hold=2.0)
+        def test_at(speed: float, side: float) -> DrivingTest:
+            angle = side * 6.5 * third_g
+            test = Fishhook(speed_control=self._control, angle=angle, hold=2.0)
             first = self._drive("fishhook, first turn", test, speed, 3.0)
             settled = test.roll_settled(first.signals)
             hold = max(settled, 0.01) if math.isfinite(settled) else 2.0
-            return Fishhook(speed_control=self._control, angle=6.5 * third_g, hold=hold)
+            return Fishhook(speed_control=self._control, angle=angle, hold=hold)
 
         self._tip_up("fishhook", test_at, 5.0)
 
     def j_turn(self, third_g: float) -> None:
         """Run the J-turn at growing speeds until the car tips up."""
 
-        def test_at(_: float) -> DrivingTest:
-            return JTurn(speed_control=self._control, angle=8.0 * third_g)
+        def test_at(_: float, side: float) -> DrivingTest:
+            return JTurn(speed_control=self._control, angle=side * 8.0 * third_g)
 
         self._tip_up("j_turn", test_at, 3.5)
 
@@ -262,12 +246,16 @@ class StandardTests:
         )
         self._run("trailer_sway", test, _MOTORWAY, 8.0)
 
-    def _tip_up(self, name: str, test_at: Callable[[float], DrivingTest], duration: float) -> None:
-        def drive_at(speed: float) -> DrivenTest:
+    def _tip_up(
+        self, name: str, test_at: Callable[[float, float], DrivingTest], duration: float
+    ) -> None:
+        def drives_at(speed: float) -> Iterator[DrivenTest]:
             words = f"{name.replace('_', ' ')}, {speed / _MILE:.4g} mile/h"
-            return self._drive(words, test_at(speed), speed, duration)
+            for side, way in ((1.0, "left"), (-1.0, "right")):
+                test = test_at(speed, side)
+                yield self._drive(f"{words}, first to the {way}", test, speed, duration)
 
-        run, figures = tip_up_search(self.solver.car, name, drive_at, ROLLOVER_SPEEDS)
+        run, figures = tip_up_search(self.solver.car, name, drives_at, ROLLOVER_SPEEDS)
         self.sheets[name] = sheet_of(run)
         self.figures += figures
 
@@ -372,8 +360,3 @@ class StandardTests:
     @property
     def _control(self) -> SpeedControl:
         return self.solver.car.control
-
-    @property
-    def _has_wheel(self) -> bool:
-        """Whether steering angles are those of a steering wheel."""
-        return self.solver.car.steering_ratio > 1.5

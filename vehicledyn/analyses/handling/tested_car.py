@@ -102,6 +102,11 @@ class TestedCar:
         """Steering-wheel angle over that of the front wheels; 1 where there is no wheel."""
         return self.worth(self.vehicle.steering_ratio)
 
+    @property
+    def has_steering_wheel(self) -> bool:
+        """Whether steering angles are those of a steering wheel."""
+        return self.steering_ratio > 1.0
+
     @cached_property
     def digest(self) -> str:
         """Digest of the equations and the tables that they look up."""
@@ -175,6 +180,24 @@ class TestedCar:
         """Mass on the wheels as it is tested [kg]."""
         weight = math.hypot(*(self.worth(g) for g in self.vehicle.system.gravity))
         return sum(self.wheel_loads.values()) / weight
+
+    @cached_property
+    def front_share(self) -> float:
+        """Part of the mass that is on the front wheels [1]."""
+        loads = self.wheel_loads
+        front = sum(loads[corner.name] for corner in self.vehicle.corners if corner.is_front)
+        return front / sum(loads.values())
+
+    @property
+    def mass_ahead(self) -> float:
+        """Distance of the centre of mass ahead of the chassis's origin, of a car by itself [m].
+
+        A car with a trailer counts as having it there.
+        """
+        if self.vehicle.articulation is not None:
+            return 0.0
+        wheelbase = self.worth(self.vehicle.wheelbase)
+        return self.worth(self.vehicle.front_distance) - (1.0 - self.front_share) * wheelbase
 
     def rates(self, state: Vector, unknowns: Vector, time: float = 0.0) -> tuple[Vector, Vector]:
         """Return the rates and the unknowns that close the loops, from a guess of these."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 from vehicledyn.analyses.handling.test_run import DrivenTest, figures_of
 from vehicledyn.analyses.handling.tested_car import TestedCar
@@ -17,7 +17,10 @@ _OF_HEIGHT = frozenset({"two_wheel_height", "two_wheel_lift", "two_wheel_lift_at
 
 
 def tip_up_search(
-    car: TestedCar, name: str, drive_at: Callable[[float], DrivenTest], speeds: tuple[float, ...]
+    car: TestedCar,
+    name: str,
+    drives_at: Callable[[float], Iterator[DrivenTest]],
+    speeds: tuple[float, ...],
 ) -> tuple[DrivenTest, list[KeyFigure]]:
     """Drive at growing speeds until the car tips up, then between the last two.
 
@@ -25,8 +28,8 @@ def tip_up_search(
     ----------
     car, name
         The car and the name of its test.
-    drive_at
-        Drives the test at an entry speed [m/s].
+    drives_at
+        Drives the test at an entry speed, first to one side, then to the other [m/s].
     speeds
         Growing entry speeds that are tried first [m/s].
 
@@ -37,16 +40,14 @@ def tip_up_search(
     """
     safe, tipped = math.nan, math.nan
     for speed in speeds:
-        run = drive_at(speed)
-        figures, tips = _judged(car, name, run)
+        run, figures, tips = _driven(car, name, drives_at(speed))
         if tips:
             tipped = speed
             break
         safe = speed
     while tipped - safe > _SHARE * tipped:
         middle = 0.5 * (safe + tipped)
-        other = drive_at(middle)
-        found, tips = _judged(car, name, other)
+        other, found, tips = _driven(car, name, drives_at(middle))
         if tips:
             run, figures, tipped = other, found, middle
         else:
@@ -60,6 +61,21 @@ def tip_up_search(
         words = "Lowest entry speed at which it does"
         figures.append(KeyFigure(name, "tip_up_speed", tipped, "m/s", words))
     return run, figures
+
+
+def _driven(
+    car: TestedCar, name: str, runs: Iterator[DrivenTest]
+) -> tuple[DrivenTest, list[KeyFigure], bool]:
+    """Return the first run in which the car tips up, else the first, and what shows it."""
+    shown = None
+    for run in runs:
+        figures, tips = _judged(car, name, run)
+        if tips:
+            return run, figures, True
+        shown = shown or (run, figures, False)
+    if shown is None:
+        raise ValueError(f"{name}: no run")
+    return shown
 
 
 def _judged(car: TestedCar, name: str, run: DrivenTest) -> tuple[list[KeyFigure], bool]:
