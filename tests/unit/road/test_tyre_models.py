@@ -133,3 +133,20 @@ def test_energy_is_never_created(law):
     for load, slip, angle in rng.uniform([0, -3, -1.5], [9e3, 3, 1.5], size=(400, 3)):
         fx, fy, _ = forces(law, load, slip, angle, 0.0)
         assert fx * slip - fy * math.tan(angle) >= 0.0
+
+
+def test_brush_is_its_closed_form_to_1e_9_newtons():
+    rng = np.random.default_rng(3)
+    for load, stiffness, friction, slip, angle in rng.uniform(
+        [500, 2e4, 0.1, -0.9, -1.2], [9e3, 2e5, 1.5, 2.0, 1.2], size=(200, 5)
+    ) * [1, 1, 1, rng.choice([1, 1e-3]), rng.choice([1, 1e-3])]:
+        law = Brush(nominal_load=4e3, slip_stiffness=stiffness, half_length=0.06, friction=friction)
+        along, across = slip / (1 + slip), math.tan(angle) / (1 + slip)
+        size = math.hypot(along, across)
+        u = min(1.0, stiffness * size / (3 * friction * 4e3))
+        force = friction * load * (1 - (1 - u) ** 3)
+        moment = friction * load * 0.06 * math.sqrt(load / 4e3) * u * (1 - u) ** 3
+        found = law.forces(TyreInput(load, slip, angle, 0.0, 10.0))
+        assert found.longitudinal_force == pytest.approx(force * along / size, abs=1e-9)
+        assert found.lateral_force == pytest.approx(-force * across / size, abs=1e-9)
+        assert found.aligning_moment == pytest.approx(moment * across / size, abs=1e-9)

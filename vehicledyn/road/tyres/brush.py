@@ -9,7 +9,7 @@ from vehicledyn.road.tyres.tyre import Tyre, TyreForces, TyreInput
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar
 
-SLIP_FLOOR = 1e-7
+SLIP_FLOOR = 1e-9
 """Rounds the magnitude of the slip at zero [1]."""
 
 ROLLING_FLOOR = 0.02
@@ -51,9 +51,10 @@ class Brush(Tyre):
         along, across = contact.longitudinal_slip / rolled, ops.tan(angle) / rolled + lean
         slip = ops.smooth_norm(along, across, SLIP_FLOOR)
         share = self.slip_stiffness * slip / (3.0 * self.friction * self.nominal_load)
-        stuck = ops.maximum(1.0 - share, 0.0)
+        sliding = ops.minimum(share, 1.0)
+        stuck = 1.0 - sliding
         limit = self.friction * contact.normal_force
-        force = limit * (1.0 - stuck * stuck * stuck) / slip
+        force = limit * sliding * (3.0 + sliding * (sliding - 3.0)) / slip
         moment = limit * self._half_length(contact.normal_force) * share * stuck * stuck * stuck
         return TyreForces(force * along, -force * across, moment * across / slip)
 
