@@ -49,3 +49,10 @@ class ConstrainedEquations:
     velocities: tuple[int, ...]
     others: tuple[int, ...]
     output: Callable[[], Expression] | None = None
+
+    @property
+    def spread(self) -> Expression:
+        """The Jacobian with those elements alone that are not always zero."""
+        import casadi
+
+        return casadi.sparsify(self.jacobian)

@@ -37,12 +37,17 @@ def exact(models):
 def begin(kernel, divided):
     """The start of the loop closed by partitioning, in the states of a kernel."""
     state, unknowns = starts(divided.equations)
-    unknowns = divided.solve_unknowns(0.0, state, unknowns)
     if kernel is divided:
-        return state, unknowns
+        return state, divided.solve_unknowns(0.0, state, unknowns)
+    return given(kernel, divided, state, unknowns), []
+
+
+def given(kernel, divided, state, unknowns):
+    """Return the states of a kernel at those of the loop closed by partitioning."""
+    unknowns = divided.solve_unknowns(0.0, state, unknowns)
     names = [c.name for c in divided.equations.channels]
     found = dict(zip(names, divided.outputs(0.0, state, unknowns), strict=True))
-    return [found[s.name] for s in kernel.equations.states], []
+    return [found[s.name] for s in kernel.equations.states]
 
 
 def last(system, kernel, kind, count, divided, **settings):
@@ -111,3 +116,36 @@ def test_order_two_through_changes_of_the_partition(models, kind):
         for end in ends[1:]
     ]
     assert np.log2(np.divide(*errors)) == pytest.approx(2.0, abs=0.05)
+
+
+@pytest.mark.parametrize(
+    ("constraints", "band"), [("stabilised_index2", 1.2e-5), ("reduced", 2e-5)]
+)
+def test_the_energy_of_a_loop_with_multipliers_does_not_drift_over_20_000_steps(
+    models, constraints, band
+):
+    """It swings by 0.57 rad about its lowest place; the mean moves by less than 4 % of the band.
+
+    It moved by 3.5 bands where the Jacobian of one end of a step led the correction of positions,
+    and by 1.6 where each piece of a run began on the constraints.
+    """
+    divided, (system, kernel) = models["partitioning"][1], models["multipliers"]
+    state, unknowns = starts(divided.equations)
+    for numbers, variables in (
+        (state, divided.equations.states),
+        (unknowns, divided.equations.unknowns),
+    ):
+        for k, variable in enumerate(variables):
+            if variable.name.endswith(".angle"):
+                numbers[k] = 0.5 * np.pi * (1.0 if variable.name.startswith("upright") else -1.0)
+    samples, state = Samples(), given(kernel, divided, state, unknowns)
+    simulate_watched(
+        system, kernel, find("solver", "newmark")(step=0.01, constraints=constraints),
+        state=state, unknowns=[], start=0.0, stop=200.0, interval=0.1, sink=samples,
+        progress=lambda *_: None, happened=lambda *_: None,
+    )  # fmt: skip
+    columns = [k for k, c in enumerate(kernel.equations.channels) if c.name.startswith("energy.")]
+    energy = samples.outputs[:, columns].sum(axis=1)
+    means = energy[1:].reshape(10, -1).mean(axis=1)
+    assert np.ptp(energy) < band
+    assert abs(np.polyfit(np.arange(10.0), means, 1)[0] * 9.0) < 0.04 * np.ptp(energy)

@@ -16,9 +16,9 @@ from vehicledyn.integrate.course import Carried
 from vehicledyn.integrate.events import Point
 from vehicledyn.integrate.newmark.compiled_steps import CompiledLoop, StateLayout
 from vehicledyn.integrate.newmark.constrained_place import ConstrainedPlace
-from vehicledyn.integrate.newmark.constrained_steps import ConstrainedSteps, residual_functions
+from vehicledyn.integrate.newmark.constrained_steps import ConstrainedSteps
 from vehicledyn.integrate.newmark.iteration_matrix import StepFactors
-from vehicledyn.integrate.newmark.residual_functions import Instant
+from vehicledyn.integrate.newmark.residual_functions import Instant, residual_functions
 from vehicledyn.integrate.newmark.weights import Weights
 from vehicledyn.integrate.task import Task
 from vehicledyn.kernel.compiled import CompiledEngine
@@ -61,6 +61,14 @@ class CompiledConstrainedSteps(CompiledLoop[ConstrainedPlace]):
         own.close_states, own.close_forces = steps.close, steps.close_forces
         own.residual = _compiled_residual(task)
         own.output = _compiled_output(task) if steps.shows_own else None
+        if steps.lightness is not None:
+            own.spread = _compiled_spread(task)
+            pattern = self._functions.equations.spread.sparsity()
+            rows, starts = (
+                np.array(part, dtype=np.intc) for part in (pattern.row(), pattern.colind())
+            )
+            self._give(lightness=steps.lightness, arm_columns=rows, arm_starts=starts)
+            self._give(arms=np.zeros(2 * len(rows)))
         self._give(given=self._tables.after(np.asarray(task.kernel.parameters, dtype=float)))
 
     @property
@@ -130,9 +138,6 @@ class CompiledConstrainedSteps(CompiledLoop[ConstrainedPlace]):
             row_place=found.factors.perm_r,
             column_place=found.factors.perm_c,
         )
-        if found.arms is not None:
-            arms = found.arms
-            self._give(arms=arms.data, arm_columns=arms.indices, arm_starts=arms.indptr)
 
     def _give(self, **arrays: Any) -> None:
         whole = {
@@ -179,6 +184,16 @@ def _compiled_output(task: Task) -> int:
         return () if e.output is None else (e.output(),)
 
     return _compiled(task, "channels of steps", parts)
+
+
+def _compiled_spread(task: Task) -> int:
+    """Return the address of the Jacobian of the constraints at points."""
+    import casadi
+
+    def parts(e: ConstrainedEquations) -> tuple[Any, ...]:
+        return (casadi.vertcat(casadi.SX(0, 1), *e.spread.nonzeros()),)
+
+    return _compiled(task, "Jacobian of the constraints", parts)
 
 
 def _compiled(

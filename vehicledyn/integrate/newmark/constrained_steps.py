@@ -3,12 +3,16 @@
 With acceleration-like a, q̇ = v and residuals F(q, v, v̇, λ) = 0, h(q) = 0 a step solves
 
     (1 - αm) a₁ + αm a₀ = (1 - αf) v̇₁ + αf v̇₀,        v₁ = v₀ + Δt ((1 - γ) a₀ + γ a₁),
-    q₁ = q₀ + Δt v₀ + Δt² ((½ - β) a₀ + β a₁) - Δt B₀ η₁,    B₀ = W J(q₀)ᵀ,
+    q₁ = q₀ + Δt v₀ + Δt² ((½ - β) a₀ + β a₁) - ½ Δt W (J₀ + J₁)ᵀ η₁,
 
 where η is zero in index 3, and found from J v₁ + h_t = 0 in stabilised index 2 (Gear, Gupta,
 Leimkuhler). The unknowns are a₁, λ₁ and η₁; gaps are divided by β Δt² and openings by γ Δt, so that
-the iteration matrix keeps its condition as Δt → 0. W, the inverse of the diagonal of the masses,
-makes η free of units.
+the iteration matrix keeps its condition as Δt → 0. W, the inverse of the diagonal of the masses
+where the model starts, makes η free of units.
+
+Both ends of a step share alike in the correction, so undamped steps taken backwards lead back: that
+keeps the energy of swinging mechanisms within a band (Hairer, Lubich, Wanner (2006), Geometric
+Numerical Integration, section XI.3). With the Jacobian of one end alone it drifts.
 
 Where a motion starts at v, the steps begin with v₀ = v + Δt² C b, C = 1/6 - (αm - αf)/2 - β, and
 a₀ = v̇ + Δt (αm - αf) b, b being the third derivative of q that the constraints demand: steps of
@@ -22,13 +26,11 @@ Numerische Mathematik 129, 149-179 (starts, stabilised index 2).
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from vehicledyn.base.errors import InputError, NumericalError
+from vehicledyn.base.errors import NumericalError
 from vehicledyn.integrate.course import Carried
 from vehicledyn.integrate.events import Point
 from vehicledyn.integrate.newmark.constrained_place import (
@@ -36,17 +38,23 @@ from vehicledyn.integrate.newmark.constrained_place import (
     resumed_place,
     slope_of_lift,
 )
-from vehicledyn.integrate.newmark.iteration_matrix import IterationMatrix, StepFactors, Unknowns
+from vehicledyn.integrate.newmark.iteration_matrix import (
+    IterationMatrix,
+    StepFactors,
+    Unknowns,
+    pushed,
+)
 from vehicledyn.integrate.newmark.residual_functions import (
     Instant,
     Partials,
-    ResidualFunctions,
     Residuals,
+    Sparse,
+    lightness_of,
+    residual_functions,
 )
 from vehicledyn.integrate.newmark.weights import Constraints, Velocities, Weights
 from vehicledyn.integrate.task import Task
 from vehicledyn.kernel.engine import Count, Vector
-from vehicledyn.kernel.kernel import Kernel
 
 _MOST_ITERATIONS = 12
 _CLOSE, _COARSEST = 1e-14, 1e-6
@@ -78,7 +86,6 @@ class _Known:
     acceleration: Vector
     other: Vector
     lag: Vector
-    arms: Any
     old: tuple[Vector, Vector]
 
 
@@ -110,9 +117,28 @@ class ConstrainedSteps:
         self.close, self.close_forces = (
             (_CLOSEST, _CLOSEST_FORCES) if is_small else (_CLOSE, _CLOSE_FORCES)
         )
-        self._matrix = IterationMatrix(self._functions.sizes, self.is_stabilised)
+        self._lightness = lightness_of(task.kernel) if self.is_stabilised else None
+        self._matrix = IterationMatrix(self._functions.sizes, self._lightness)
         self._factors: StepFactors | None = None
         self._is_stale = True
+
+    @property
+    def lightness(self) -> Vector | None:
+        """W, None where η is not needed."""
+        return self._lightness
+
+    def _pushed(self, jacobian: Sparse | None, eta: Vector) -> Vector | float:
+        """Return how fast η moves the coordinates, nothing where it is not needed."""
+        if jacobian is None or self._lightness is None:
+            return 0.0
+        return pushed(jacobian, self._lightness, eta)
+
+    def _mean_jacobian(self, begin: Instant, end: Instant) -> Sparse | None:
+        """Return the mean Jacobian of the constraints, None where η is not needed."""
+        if self._lightness is None:
+            return None
+        one, other = (self._functions.jacobian(at, self._parameters) for at in (begin, end))
+        return one._replace(values=0.5 * (one.values + other.values))
 
     @property
     def factors(self) -> StepFactors | None:
@@ -182,12 +208,16 @@ class ConstrainedSteps:
         self, place: ConstrainedPlace, end: float, *, is_fresh: bool
     ) -> ConstrainedPlace | None:
         factors = self._prepared(place, end - place.instant.time)
-        known = self._known(place, end, factors.arms)
+        known = self._known(place, end)
+        mean = self._mean_jacobian(place.instant, place.instant)
         a, r = self._guessed(place, known), known.old[1]
         multiplier, eta = place.instant.multiplier.copy(), place.correction.copy()
         before, w = np.inf, self._weights
         for iteration in range(_MOST_ITERATIONS):
-            instant = self._instant(known, a, r, multiplier, eta)
+            instant = self._instant(known, Unknowns(a, r, multiplier, eta), mean)
+            if self.is_stabilised:
+                mean = self._mean_jacobian(place.instant, instant)
+                instant = self._instant(known, Unknowns(a, r, multiplier, eta), mean)
             try:
                 at = self._evaluated(instant)
             except NumericalError:
@@ -198,7 +228,7 @@ class ConstrainedSteps:
                 return None
             a, r = a - change.a, r - change.r
             multiplier, eta = multiplier - change.multiplier, eta - change.eta
-            moved, forced = self._sizes_of(known, instant, change)
+            moved, forced = self._sizes_of(known, instant, change, mean)
             size = max(moved, _LEVER * forced)
             is_rounding = moved < _ROUNDING and forced < _COARSE
             contraction = size / before if iteration else 0.0
@@ -211,7 +241,7 @@ class ConstrainedSteps:
             if stays and not is_fresh and moved > _CLOSE * (1.0 + w.gamma / (w.beta * known.size)):
                 return None
             if settled or stays or size == 0.0:
-                return self._accepted(known, Unknowns(a, r, multiplier, eta), place)
+                return self._accepted(known, Unknowns(a, r, multiplier, eta), mean, place)
             if contraction > 0.9 and iteration > 1:
                 return None
             before = size
@@ -224,10 +254,10 @@ class ConstrainedSteps:
         return float(min(max(self._weights.share * largest, _CLOSE), _COARSEST))
 
     def _accepted(
-        self, known: _Known, found: Unknowns, place: ConstrainedPlace
+        self, known: _Known, found: Unknowns, mean: Sparse | None, place: ConstrainedPlace
     ) -> ConstrainedPlace:
-        a, r, multiplier, eta = found
-        instant = self._instant(known, a, r, multiplier, eta)
+        a, r, _, eta = found
+        instant = self._instant(known, found, mean)
         e, w = self._functions.equations, self._weights
         state = place.point.state.copy()
         state[list(e.positions)] = instant.position
@@ -238,7 +268,7 @@ class ConstrainedSteps:
         change = a - known.old[0]
         return ConstrainedPlace(point, instant, (a, r), rate, eta, known.size, change)
 
-    def _known(self, place: ConstrainedPlace, end: float, arms: Any) -> _Known:
+    def _known(self, place: ConstrainedPlace, end: float) -> _Known:
         """Return what is known of a step: all that its unknowns do not change."""
         w, at = self._weights, place.instant
         h = end - at.time
@@ -256,7 +286,6 @@ class ConstrainedSteps:
             (w.alpha_m * a - w.alpha_f * at.acceleration) / (1.0 - w.alpha_f),
             at.other + h * (1.0 - w.first_order_gamma) * r,
             (1.0 - mass) * r - w.alpha_f * place.other_rate,
-            arms,
             (a, r),
         )
 
@@ -291,13 +320,10 @@ class ConstrainedSteps:
             pairs.append((bend, at.velocity))
         return float(max(np.abs(e / (1.0 + np.abs(x))).max(initial=0.0) for e, x in pairs))
 
-    def _instant(
-        self, known: _Known, a: Vector, r: Vector, multiplier: Vector, eta: Vector
-    ) -> Instant:
+    def _instant(self, known: _Known, unknowns: Unknowns, mean: Sparse | None = None) -> Instant:
         w, h = self._weights, known.size
-        position = known.position + h**2 * w.beta * a
-        if known.arms is not None:
-            position = position - h * (known.arms @ eta)
+        a, r, multiplier, eta = unknowns
+        position = known.position + h**2 * w.beta * a - h * self._pushed(mean, eta)
         return Instant(
             known.time,
             position,
@@ -316,11 +342,14 @@ class ConstrainedSteps:
             parts.append(at.opening / (w.gamma * h))
         return np.concatenate(parts)
 
-    def _sizes_of(self, known: _Known, instant: Instant, change: Unknowns) -> tuple[float, float]:
+    def _sizes_of(
+        self, known: _Known, instant: Instant, change: Unknowns, mean: Sparse | None
+    ) -> tuple[float, float]:
         """Return the sizes of a change: of the states, and of the multipliers."""
         w, h = self._weights, known.size
+        slid = h * np.abs(self._pushed(mean, change.eta))
         moves = [
-            h**2 * w.beta * np.abs(change.a) / (1.0 + np.abs(instant.position)),
+            (h**2 * w.beta * np.abs(change.a) + slid) / (1.0 + np.abs(instant.position)),
             h * w.gamma * np.abs(change.a) / (1.0 + np.abs(instant.velocity)),
             h * w.first_order_gamma * np.abs(change.r) / (1.0 + np.abs(instant.other)),
         ]
@@ -337,9 +366,9 @@ class ConstrainedSteps:
 
     def _foreseen(self, place: ConstrainedPlace, size: float) -> Instant:
         """Return about where a step leads; Jacobians there serve it and its followers best."""
-        known = self._known(place, place.instant.time + size, None)
-        a = self._guessed(place, known)
-        return self._instant(known, a, known.old[1], place.instant.multiplier, place.correction)
+        known = self._known(place, place.instant.time + size)
+        a, r = self._guessed(place, known), known.old[1]
+        return self._instant(known, Unknowns(a, r, place.instant.multiplier, place.correction))
 
     def _prepared(self, place: ConstrainedPlace, size: float) -> StepFactors:
         """Return factors, found anew where they are stale or of another step size."""
@@ -356,24 +385,3 @@ class ConstrainedSteps:
             self._is_stale = False
         self._factors = self._matrix.factorised(partials, self._weights, size)
         return self._factors
-
-
-def residual_functions(kernel: Kernel) -> ResidualFunctions:
-    """Return the residuals of a kernel's equations, derived once for each kernel.
-
-    Raises
-    ------
-    InputError
-        If the equations have no such form.
-    """
-    made: dict[str, Any] = kernel.made
-    if "constrained residuals" not in made:
-        derive: Callable[[], Any] | None = kernel.equations.constrained
-        if derive is None:
-            raise InputError(
-                f"the equations of '{kernel.equations.name}' were not derived from bodies and "
-                "joints; 'constraints' of this method must be 'reduced'"
-            )
-        made["constrained residuals"] = ResidualFunctions(derive())
-    functions: ResidualFunctions = made["constrained residuals"]
-    return functions

@@ -27,16 +27,14 @@ class Unknowns(NamedTuple):
 class StepFactors:
     """Factors of the matrix for steps of one size [s], and the Jacobian they came from.
 
-    ``arms`` are W Jᵀ, None where η is not needed. ``scales`` are the weight of the masses, the
-    mass that makes multipliers and masses of the same size, and what does so for η; ``cuts`` are
-    where kinds of unknowns end.
+    ``scales`` are the weight of the masses, the mass that makes multipliers and masses of the same
+    size, and what does so for η; ``cuts`` are where kinds of unknowns end.
     """
 
     partials: Partials
     size: float
     matrix: Any
     factors: Any
-    arms: Any
     scales: tuple[float, float, float]
     cuts: tuple[int, int, int]
 
@@ -104,18 +102,10 @@ class _Layout:
 class IterationMatrix:
     """Puts the parts of the Jacobian where they belong and factorises the whole."""
 
-    def __init__(self, sizes: tuple[int, int, int], is_stabilised: bool) -> None:
-        """Take the numbers of coordinates, further states and multipliers."""
-        self._sizes, self._is_stabilised = sizes, is_stabilised
+    def __init__(self, sizes: tuple[int, int, int], lightness: Vector | None = None) -> None:
+        """Take the numbers of coordinates, further states and multipliers, and W where η is."""
+        self._sizes, self._lightness = sizes, lightness
         self._layout: _Layout | None = None
-
-    def _arms(self, partials: Partials) -> Any:
-        """Return W Jᵀ, shape (n, m): how η moves the coordinates."""
-        if not self._is_stabilised:
-            return None
-        masses = partials.f_a.matrix().diagonal()
-        turned = partials.jacobian.matrix().T.tocsr()
-        return turned.multiply(1.0 / np.where(masses > 0.0, masses, 1.0)[:, None]).tocsr()
 
     def factorised(self, partials: Partials, weights: Weights, h: float) -> StepFactors:
         """Return the factors of the matrix of a step of size h [s].
@@ -150,11 +140,12 @@ class IterationMatrix:
                 scale * p.jacobian.values,
             ]
         )
-        arms, lever = self._arms(p), w.beta * h * scale
-        if self._is_stabilised:
-            matrix = self._stabilised(matrix, p, w, (h, scale, lead), lever * arms).tocsc()
+        lever = w.beta * h * scale
+        if self._lightness is not None:
+            arms = lever * arms_of(p.jacobian, self._lightness)
+            matrix = self._stabilised(matrix, p, w, (h, scale, lead), arms).tocsc()
         cuts = n, n + k, n + k + m
-        return StepFactors(p, h, matrix, _factors(matrix), arms, (lead, scale, lever), cuts)
+        return StepFactors(p, h, matrix, _factors(matrix), (lead, scale, lever), cuts)
 
     def _stabilised(
         self,
@@ -206,6 +197,22 @@ class IterationMatrix:
         ).tocsc()
         found = _factors(matrix).solve(-np.concatenate([force, scale * quadratic]))
         return found[:n], found[n:] * scale
+
+
+def arms_of(jacobian: Sparse, lightness: Vector) -> Any:
+    """Return W Jᵀ, shape (n, m): how η moves the coordinates."""
+    from scipy.sparse import csr_matrix
+
+    values = jacobian.values * lightness[jacobian.columns]
+    return csr_matrix((values, (jacobian.columns, jacobian.rows)), shape=jacobian.shape[::-1])
+
+
+def pushed(jacobian: Sparse, lightness: Vector, eta: Vector) -> Vector:
+    """Return W Jᵀ η, how fast η moves the coordinates."""
+    rows, columns = jacobian.rows, jacobian.columns
+    moved = np.bincount(columns, jacobian.values * eta[rows], len(lightness))
+    found: Vector = lightness * moved
+    return found
 
 
 class _Nothing:

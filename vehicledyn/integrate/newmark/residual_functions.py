@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.base.errors import InputError
 from vehicledyn.kernel.engine import Vector
 from vehicledyn.kernel.interpreted import BufferedFunction
+from vehicledyn.kernel.kernel import Kernel
 from vehicledyn.symbolic.constrained_equations import ConstrainedEquations
 
 
@@ -78,7 +81,7 @@ class ResidualFunctions:
             *(casadi.jacobian(e.force, x) for x in (e.position, e.other)),
             *(casadi.jacobian(e.other_rate, x) for x in (e.velocity, e.position, e.other)),
             casadi.jacobian(e.opening, e.position),
-            casadi.sparsify(e.jacobian),
+            e.spread,
         ]
         self._patterns = []
         for block in blocks:
@@ -88,6 +91,8 @@ class ResidualFunctions:
         self._partials = BufferedFunction(_function("partials", inputs, values))
         lift = [casadi.densify(e.quadratic + e.jacobian @ e.acceleration)]
         self._lift = BufferedFunction(_function("lift", inputs, lift))
+        spread = [casadi.vertcat(casadi.SX(0, 1), *e.spread.nonzeros())]
+        self._jacobian = BufferedFunction(_function("jacobian", inputs, spread))
         self._inputs = inputs
         self._output: BufferedFunction | None = None
         self.sizes = e.position.numel(), e.other.numel(), e.multiplier.numel()
@@ -101,6 +106,11 @@ class ResidualFunctions:
         found = self._partials(*at, parameters)
         pairs = zip(self._patterns, found, strict=True)
         return Partials(*[Sparse(r, c, value, shape) for (r, c, shape), value in pairs])
+
+    def jacobian(self, at: Instant, parameters: Vector) -> Sparse:
+        """Return the Jacobian of the constraints at an instant, its elements column by column."""
+        rows, columns, shape = self._patterns[-1]
+        return Sparse(rows, columns, self._jacobian(*at, parameters)[0], shape)
 
     @property
     def shows_own(self) -> bool:
@@ -122,6 +132,39 @@ class ResidualFunctions:
     def lift(self, at: Instant, parameters: Vector) -> Vector:
         """Return the accelerations of the constraints at those of the coordinates."""
         return self._lift(*at, parameters)[0]
+
+
+def residual_functions(kernel: Kernel) -> ResidualFunctions:
+    """Return the residuals of a kernel's equations, derived once for each kernel.
+
+    Raises
+    ------
+    InputError
+        If the equations have no such form.
+    """
+    made: dict[str, Any] = kernel.made
+    if "constrained residuals" not in made:
+        derive: Callable[[], Any] | None = kernel.equations.constrained
+        if derive is None:
+            raise InputError(
+                f"the equations of '{kernel.equations.name}' were not derived from bodies and "
+                "joints; 'constraints' of this method must be 'reduced'"
+            )
+        made["constrained residuals"] = ResidualFunctions(derive())
+    functions: ResidualFunctions = made["constrained residuals"]
+    return functions
+
+
+def lightness_of(kernel: Kernel) -> Vector:
+    """Return the inverse masses of the coordinates where the model starts, one where none is."""
+    functions = residual_functions(kernel)
+    (n, _, m), e = functions.sizes, functions.equations
+    state = np.array([variable.start for variable in kernel.equations.states], dtype=float)
+    q, v, s = (state[list(part)] for part in (e.positions, e.velocities, e.others))
+    start = Instant(0.0, q, v, np.zeros(n), np.zeros(m), s)
+    masses = functions.partials(start, kernel.parameters).f_a.matrix().diagonal()
+    found: Vector = 1.0 / np.where(np.isfinite(masses) & (masses > 0.0), masses, 1.0)
+    return found
 
 
 def _function(name: str, inputs: list[Any], results: list[Any]) -> Any:

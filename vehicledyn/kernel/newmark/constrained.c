@@ -25,12 +25,39 @@ static void solve_sparse(const struct constrained *c, long long size, double *b,
   for (long long i = 0; i < size; i++) b[i] = y[c->column_place[i]];
 }
 
+/* Time, coordinates, speeds, accelerations, multipliers and further states of the place m->at. */
+static void place_at(const struct run *m, double *point) {
+  const struct constrained *c = &m->constrained;
+  const struct place *at = &m->at;
+  const long long n = m->n_pairs;
+  double *q = point + 1, *v = q + n, *lift = v + n, *forces = lift + n;
+  double *other = forces + c->n_multipliers;
+  point[0] = at->time;
+  for (long long i = 0; i < n; i++) {
+    q[i] = at->x[m->positions[i]];
+    v[i] = at->x[m->velocities[i]];
+    lift[i] = at->rates[i];
+  }
+  memcpy(forces, at->forces, c->n_multipliers * sizeof(double));
+  for (long long i = 0; i < c->n_others; i++) other[i] = at->x[m->rows[n + i]];
+}
+
 /* What is known of a step, and its unknowns. */
 struct trial {
   double h, *position, *velocity, *acceleration, *other, *lag, *a, *r, *multiplier, *eta;
 };
 
-/* Time, coordinates, speeds, accelerations, multipliers and further states, side by side. */
+/* How fast a coordinate is corrected by η, with the mean arms of both ends of the step. */
+static double pushed(const struct run *m, long long i, const double *eta) {
+  const struct constrained *c = &m->constrained;
+  const double *begin = c->arms, *now = begin + c->arm_starts[m->n_pairs];
+  double moved = 0.0;
+  for (int k = c->arm_starts[i]; k < c->arm_starts[i + 1]; k++)
+    moved += (begin[k] + now[k]) * eta[c->arm_columns[k]];
+  return 0.5 * c->lightness[i] * moved;
+}
+
+/* The same of the end of a step. */
 static void place_point(const struct run *m, const struct trial *s, double end, double *point) {
   const struct constrained *c = &m->constrained;
   const long long n = m->n_pairs;
@@ -44,15 +71,19 @@ static void place_point(const struct run *m, const struct trial *s, double end, 
     lift[i] = s->acceleration[i] + by_a * s->a[i];
   }
   if (c->is_stabilised)
-    for (long long i = 0; i < n; i++) {
-      double moved = 0.0;
-      for (int k = c->arm_starts[i]; k < c->arm_starts[i + 1]; k++)
-        moved += c->arms[k] * s->eta[c->arm_columns[k]];
-      q[i] -= h * moved;
-    }
+    for (long long i = 0; i < n; i++) q[i] -= h * pushed(m, i, s->eta);
   memcpy(forces, s->multiplier, c->n_multipliers * sizeof(double));
   for (long long i = 0; i < c->n_others; i++)
     other[i] = s->other[i] + h * c->first_order_gamma * s->r[i];
+}
+
+/* Write the arms of the begin of a step. */
+static void begin_arms(struct run *m, double *point) {
+  const struct constrained *c = &m->constrained;
+  const int count = c->arm_starts[m->n_pairs];
+  place_at(m, point);
+  c->spread(1, point, c->given, c->arms, 0);
+  memcpy(c->arms + count, c->arms, count * sizeof(double));
 }
 
 /* Begin from the place m->at; a is guessed to change as it did in the step before. */
@@ -123,7 +154,10 @@ static void sizes_of(const struct run *m, const struct trial *s, const double *p
   *moved = 0.0;
   for (long long i = 0; i < n; i++) {
     const double size = fabs(change[i]);
-    *moved = fmax(*moved, by_position * size / (1.0 + fabs(point[1 + i])));
+    double shift = by_position * size;
+    if (c->is_stabilised)
+      shift += h * c->lever * fabs(pushed(m, i, change + n + k + c->n_multipliers));
+    *moved = fmax(*moved, shift / (1.0 + fabs(point[1 + i])));
     *moved = fmax(*moved, by_velocity * size / (1.0 + fabs(point[1 + n + i])));
   }
   for (long long i = 0; i < k; i++) {
@@ -161,6 +195,7 @@ static int iterate_constrained(struct run *m, double end, int is_fresh) {
   s.other = s.acceleration + n, s.lag = s.other + k;
   s.a = m->found.auxiliary, s.r = s.a + n;
   s.multiplier = m->found.forces, s.eta = s.multiplier + count;
+  if (c->is_stabilised) begin_arms(m, point);
   begin_trial(m, end, &s, old);
   const double h = s.h;
   const double by_gap = c->scale / (m->beta * h * h);
@@ -169,6 +204,10 @@ static int iterate_constrained(struct run *m, double end, int is_fresh) {
   double before = INFINITY;
   for (int iteration = 0; iteration < MOST_CONSTRAINED; iteration++) {
     place_point(m, &s, end, point);
+    if (c->is_stabilised) {
+      c->spread(1, point, c->given, c->arms + c->arm_starts[n], 0);
+      place_point(m, &s, end, point);
+    }
     c->residual(1, point, c->given, values, 0);
     m->counts[EVALUATIONS]++;
     double total = 0.0;
@@ -228,18 +267,6 @@ static int constrained_step(struct run *m, double end) {
 
 /* Write the channels of the place m->at as the steps have it. */
 static void show_place(struct run *m, double *values) {
-  const struct constrained *c = &m->constrained;
-  const struct place *at = &m->at;
-  const long long n = m->n_pairs;
-  double *q = m->work + 1, *v = q + n, *lift = v + n, *forces = lift + n;
-  double *other = forces + c->n_multipliers;
-  m->work[0] = at->time;
-  for (long long i = 0; i < n; i++) {
-    q[i] = at->x[m->positions[i]];
-    v[i] = at->x[m->velocities[i]];
-    lift[i] = at->rates[i];
-  }
-  memcpy(forces, at->forces, c->n_multipliers * sizeof(double));
-  for (long long i = 0; i < c->n_others; i++) other[i] = at->x[m->rows[n + i]];
-  c->output(1, m->work, c->given, values, 0);
+  place_at(m, m->work);
+  m->constrained.output(1, m->work, m->constrained.given, values, 0);
 }

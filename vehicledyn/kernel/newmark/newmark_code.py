@@ -59,7 +59,8 @@ class ConstrainedRecord(ctypes.Structure):
     """A ``struct constrained`` of record.h."""
 
     _fields_ = [
-        *((name, _P) for name in ("residual", "output", "given", "l_values", "u_values", "arms")),
+        *((name, _P) for name in ("residual", "output", "spread", "given")),
+        *((name, _P) for name in ("l_values", "u_values", "lightness", "arms")),
         *((name, _P) for name in ("l_starts", "l_rows", "u_starts", "u_rows")),
         *((name, _P) for name in ("row_place", "column_place", "arm_starts", "arm_columns")),
         *((name, _L) for name in ("n_multipliers", "n_others", "is_stabilised")),

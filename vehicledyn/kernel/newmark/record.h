@@ -36,10 +36,13 @@ struct place {
 };
 
 /* What steps with multipliers need besides; the residual is null for others, and so is the output
-   where the channels are those of the rates. */
+   where the channels are those of the rates. The spread is the Jacobian of the constraints column by
+   column, of which ``arms`` has those of the begin of a step and of the latest iteration;
+   ``lightness`` is what multiplies each column. */
 struct constrained {
-  vd_points residual, output;
-  const double *given, *l_values, *u_values, *arms;
+  vd_points residual, output, spread;
+  const double *given, *l_values, *u_values, *lightness;
+  double *arms;
   const int *l_starts, *l_rows, *u_starts, *u_rows, *row_place, *column_place;
   const int *arm_starts, *arm_columns;
   long long n_multipliers, n_others, is_stabilised;
