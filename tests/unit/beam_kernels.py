@@ -17,8 +17,9 @@ PACE = np.sqrt(BENDING / MASS / LENGTH**4)
 
 
 def kernel_of(
-    *bodies, cuts=(), hub=(), speed=0.0, at=(0.0, 0.0, 0.0), gravity=(0.0, 0.0, 0.0), **settings
-):
+    *bodies, cuts=(), parts=(), hub=(), speed=0.0, at=(0.0, 0.0, 0.0), gravity=(0.0, 0.0, 0.0),
+    **settings,
+):  # fmt: skip
     """A beam on a hub that turns about the vertical at a speed [rad/s]."""
     joints = (*hub, Joint("R3", "turn", role="driven"))
     settings = {"length": LENGTH, "stiffness": GIVEN} | settings
@@ -26,8 +27,9 @@ def kernel_of(
     spin = TimeLaw("spin", "turn", lambda t: speed * t)
     root = Body("hub", GROUND, joints=joints)
     made = System(
-        "beam", ParameterTable(), (root, *bodies), parts=(beam, spin), cuts=cuts, gravity=gravity
-    )
+        "beam", ParameterTable(), (root, *bodies), parts=(beam, spin, *parts), cuts=cuts,
+        gravity=gravity,
+    )  # fmt: skip
     return compile_kernel(derive(made), backend="interpreted")
 
 

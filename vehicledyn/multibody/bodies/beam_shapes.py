@@ -9,7 +9,8 @@ the first axis.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -18,11 +19,35 @@ from numpy.typing import NDArray
 
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar
+from vehicledyn.symbolic.weighted_sums import weighted_sum
 
 Array = NDArray[np.float64]
 
 SPARE = 10
 """Spare degree from which shapes are eigenfunctions to eight digits."""
+
+
+@dataclass(frozen=True, eq=False)
+class Kinks:
+    """Truncated powers (ξ - a)₊ᵖ that shapes have beside their polynomials.
+
+    ``places`` are the a, shape (n,), ``power`` is p, ``shares`` the part of each power in each
+    shape, shape (n, count).
+    """
+
+    places: Array
+    power: int
+    shares: Array
+
+    def at(self, places: Array, derivative: int = 0) -> Array:
+        """Return the part of the shapes, or its derivative; at a jump the mean of both sides."""
+        beyond = places[:, None] - self.places
+        left = self.power - derivative
+        if left < 0:
+            return np.zeros((len(places), self.shares.shape[1]))
+        factor = math.factorial(self.power) / math.factorial(left)
+        powers = np.heaviside(beyond, 0.5) if left == 0 else np.maximum(beyond, 0.0) ** left
+        return np.asarray(factor * powers @ self.shares)
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,13 +57,15 @@ class Shapes:
     ``coefficients`` are those of Legendre polynomials of 2 ξ - 1, a column a shape; ``stiffness``
     are the λ_k; m is 2 for bending and 1 for twist and stretch. ``points`` of a Gauss
     quadrature integrate products of two shapes and the place; ``slopes`` is at how many places
-    the squared slope of a combination is taken, ``points`` less one if None.
+    the squared slope of a combination is taken, ``points`` less one if None; ``kinks`` are what
+    they have beside the polynomials, and then ``points`` is that of each part between the kinks.
     """
 
     coefficients: Array
     stiffness: Array
     points: int
     slopes: int | None = None
+    kinks: Kinks | None = None
 
     @property
     def count(self) -> int:
@@ -59,7 +86,21 @@ class Shapes:
         if not self.count:
             return np.zeros((len(places), 0))
         turned = legendre.legder(self.coefficients, derivative, scl=2.0)
-        return np.asarray(legendre.legval(2.0 * places - 1.0, turned).T)
+        found: Array = np.asarray(legendre.legval(2.0 * places - 1.0, turned).T)
+        if self.kinks is not None:
+            found = found + self.kinks.at(places, derivative)
+        return found
+
+    @property
+    def breaks(self) -> tuple[float, ...]:
+        """Places at which polynomials meet, ascending."""
+        return () if self.kinks is None else tuple(map(float, self.kinks.places))
+
+    def mixed(self, turn: Array) -> Shapes:
+        """Return combinations of the shapes, a column of ``turn`` each."""
+        own = self.kinks
+        kinks = None if own is None else replace(own, shares=own.shares @ turn)
+        return replace(self, coefficients=self.coefficients @ turn, kinks=kinks)
 
     def anywhere(self, place: Scalar) -> list[Scalar]:
         """Return φ_k at a place that is an expression, by Clenshaw's recursion."""
@@ -72,20 +113,35 @@ class Shapes:
                 now = factor * x * last - (n + 1.0) / (n + 2.0) * before + float(column[n])
                 before, last = last, now
             found.append(last)
-        return found
+        if self.kinks is None:
+            return found
+        powers = [ops.maximum(place - a, 0.0) ** self.kinks.power for a in self.breaks]
+        return [
+            value + weighted_sum(row, powers)
+            for value, row in zip(found, self.kinks.shares.T, strict=True)
+        ]
 
     def shortening(self, place: float) -> Array:
         """Return ∫ φ_i' φ_j' dξ from 0 to a place, shape (count, count)."""
-        points, weights = quadrature(self.degree + 1)
+        within = tuple(a / place for a in self.breaks if a < place)
+        points, weights = quadrature(self.degree + 1, within)
         slopes = self.at(place * points, 1)
         return np.asarray(place * (slopes.T * weights) @ slopes)
 
 
-@lru_cache(maxsize=32)
-def quadrature(count: int) -> tuple[Array, Array]:
-    """Return places from 0 to 1 and weights of a Gauss quadrature, shape (count,) each."""
+@lru_cache(maxsize=64)
+def quadrature(count: int, breaks: tuple[float, ...] = ()) -> tuple[Array, Array]:
+    """Return places from 0 to 1 and weights of a Gauss quadrature, shape (count,) each.
+
+    With ``breaks`` in between it has as many points in each part.
+    """
     places, weights = np.polynomial.legendre.leggauss(count)
-    return 0.5 * (1.0 + places), 0.5 * weights
+    edges = np.array([0.0, *breaks, 1.0])
+    spans = np.diff(edges)
+    return (
+        (edges[:-1, None] + spans[:, None] * (0.5 * (1.0 + places))).ravel(),
+        (spans[:, None] * (0.5 * weights)).ravel(),
+    )
 
 
 @lru_cache(maxsize=64)
@@ -105,11 +161,16 @@ def assumed_shapes(count: int, order: int, spare: int = 0) -> Shapes:
     size = count + spare
     if not count:
         return Shapes(np.zeros((1, 0)), np.zeros(0), 0)
-    basis = np.eye(size)
+    chosen, stiffness = _decoupled(clamped_polynomials(size, order), order)
+    return Shapes(chosen[:, :count], stiffness[:count], size + order)
+
+
+def clamped_polynomials(count: int, order: int) -> Array:
+    """Return ξ to the power ``order`` times the first Legendre polynomials, a column each."""
+    basis = np.eye(count)
     for _ in range(order):
         basis = _times_place(basis)
-    chosen, stiffness = _decoupled(basis, order)
-    return Shapes(chosen[:, :count], stiffness[:count], size + order)
+    return basis
 
 
 def _decoupled(basis: Array, order: int) -> tuple[Array, Array]:

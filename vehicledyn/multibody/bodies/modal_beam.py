@@ -97,7 +97,7 @@ class ModalBeam(Flexibility):
         own = self.ranges["twist"]
         if not self.properties.is_uniform:
             return self._tapered_axial(whole)
-        points, weights = quadrature(self.points)
+        points, weights = self.nodes
         means = sum(w * twist.values(x) for x, w in zip(points, weights, strict=True))
         return about_first_axis(
             whole,
@@ -120,13 +120,26 @@ class ModalBeam(Flexibility):
 
     @property
     def points(self) -> int:
-        """Number of points of the quadrature: shapes and the moment of the shortening exactly."""
+        """Points of the quadrature, in each part between kinks of shapes.
+
+        They integrate shapes and the moment of the shortening exactly.
+        """
         most = max(item.points for item in self.by_direction.values())
         return most if self.properties.is_uniform else most + TAPER_POINTS
 
+    @cached_property
+    def breaks(self) -> tuple[float, ...]:
+        """Places at which shapes have kinks, ascending."""
+        return tuple(sorted({a for item in self.by_direction.values() for a in item.breaks}))
+
+    @property
+    def nodes(self) -> tuple[Array, Array]:
+        """Places and weights of the quadrature."""
+        return quadrature(self.points, self.breaks)
+
     def slices(self, q: Sequence[Scalar]) -> list[Slice]:
         """Return the mass at the points of a Gauss quadrature."""
-        points, weights = quadrature(self.points)
+        points, weights = self.nodes
         drawn, found = self._drawn_back(q, [ops.scalar(0.0)] * len(q)), []
         for index, (x, weight) in enumerate(zip(points, weights, strict=True)):
             position, linear = self._axis(float(x), q, drawn[index] if drawn else None)
@@ -160,7 +173,7 @@ class ModalBeam(Flexibility):
         """Return what the slices are drawn back by, nothing where that is left out."""
         if self._shortening is None:
             return []
-        reach = self._shortening.reach(quadrature(self.points)[0])
+        reach = self._shortening.reach(self.nodes[0])
         followers = self.followers(q, rates)
         return [summed(row, followers) for row in reach]
 
@@ -170,7 +183,7 @@ class ModalBeam(Flexibility):
         if not self.properties.is_uniform:
             return None
         shapes = [self.by_direction[direction] for direction in DIRECTIONS]
-        points = quadrature(self.points)
+        points = self.nodes
         item = self._shortening
         reach = np.zeros((len(points[0]), 0)) if item is None else item.reach(points[0])
         return Integrals(inertia_products(shapes, _AXES, reach, points), self.mass, self.length)
@@ -195,7 +208,7 @@ class ModalBeam(Flexibility):
     def growths(self, q: Sequence[Scalar], rates: Sequence[Scalar]) -> list[Vec]:
         """Return p̈ of the slices at zero q̈: what the shortening grows by."""
         drawn = [item.growth for item in self._drawn_back(q, rates)]
-        return [ops.vector(item, 0.0, 0.0) for item in drawn or [0.0] * self.points]
+        return [ops.vector(item, 0.0, 0.0) for item in drawn or [0.0] * len(self.nodes[0])]
 
     def _axis(
         self, place: float, q: Sequence[Scalar], drawn_back: Follower | None

@@ -12,7 +12,7 @@ one or a few more.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -91,7 +91,7 @@ class Shortening:
         own = self.shapes[plane]
         _, _, order = qr(self.slopes[plane].T, mode="economic", pivoting=True)
         turned = self.slopes[plane][np.sort(order[: own.count])]
-        return replace(own, coefficients=own.coefficients @ np.linalg.inv(turned)), turned
+        return own.mixed(np.linalg.inv(turned)), turned
 
     def followers(
         self,

@@ -11,6 +11,7 @@ from typing import Literal
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.registry import register
 from vehicledyn.base.shapes import Anchor, ColouredTube, Shape, Tube
+from vehicledyn.multibody.bodies.attached_shapes import attached_shapes
 from vehicledyn.multibody.bodies.beam_inertia import rigid_inertia
 from vehicledyn.multibody.bodies.beam_properties import (
     Material,
@@ -34,7 +35,11 @@ from vehicledyn.multibody.bodies.exact_beam import DIRECTIONS, ExactBeam
 from vehicledyn.multibody.bodies.modal_beam import ModalBeam, Stiffening
 from vehicledyn.multibody.bodies.segmented_beam import SegmentedBeam
 from vehicledyn.multibody.elements.flexible.beam_checks import DIRECTION_WORDS, check_beam
-from vehicledyn.multibody.elements.flexible.foundation import Foundation, FoundedBeam
+from vehicledyn.multibody.elements.flexible.foundation import (
+    POINTS_OF_A_SEGMENT,
+    Foundation,
+    FoundedBeam,
+)
 from vehicledyn.multibody.joints.deformation import DEFORMATION
 from vehicledyn.multibody.model.bodies import Body, Joint, Turn
 from vehicledyn.multibody.model.declaration import ORIGIN, body_name, choice, group, number, vector
@@ -89,9 +94,10 @@ class Beam(BasePart):
         default="modes",
     )
     modes: Modes = group("Modes of each direction; for segments, where they yield")
-    basis: Literal["polynomials", "eigenfunctions", "free", "sines"] = choice(
-        "Shapes of the modes: polynomials, eigenfunctions of the clamped beam, or for bending "
-        "those of a free one beside polynomials, or sines, which stay on the first axis",
+    basis: Literal["polynomials", "attached", "eigenfunctions", "free", "sines"] = choice(
+        "Shapes of the modes: polynomials, these and one for the loads at each frame, "
+        "eigenfunctions of the clamped beam, or for bending those of a free one beside "
+        "polynomials, or sines, which stay on the first axis",
         default="polynomials",
     )
     stiffening: Stiffening = choice(
@@ -167,6 +173,8 @@ class Beam(BasePart):
             return hinged_shapes(count)
         if bends and self.basis == "free":
             return free_shapes(count)
+        if self.basis == "attached":
+            return attached_shapes(count, 2 if bends else 1, self.frames)
         spare = SPARE if count and self.basis == "eigenfunctions" else 0
         return assumed_shapes(count, 2 if bends else 1, spare)
 
@@ -188,11 +196,18 @@ class Beam(BasePart):
         """The beam with its foundation; None of one without."""
         if self.foundation is None:
             return None
-        is_cut = self.model == "segments"
-        points = 0 if is_cut else self._modal.points
-        joints = self._segmented.joints if is_cut else None
+        breaks = self._segmented.joints if self.model == "segments" else self._kinked
+        points = POINTS_OF_A_SEGMENT
+        if self.model != "segments":
+            parts = len(breaks) + 1
+            points = self._modal.points if parts == 1 else -(-self._modal.points // parts) + 2
         line = (self.at, self.direction, self.upwards)
-        return FoundedBeam(self.name, self.length, self.body, self.foundation, points, joints, line)
+        return FoundedBeam(self.name, self.length, self.body, self.foundation, points, breaks, line)
+
+    @property
+    def _kinked(self) -> Sequence[float]:
+        """Places at which its shapes have kinks."""
+        return self._modal.breaks if isinstance(self._modal, ModalBeam) else ()
 
     @property
     def _own_frames(self) -> dict[str, float]:

@@ -60,6 +60,7 @@ def check_beam(beam: Any) -> None:
     _check_axes(beam)
     _check_curvature(beam)
     _check_modes(beam)
+    _check_attached(beam)
     _check_inertia(beam)
 
 
@@ -139,6 +140,21 @@ def _check_modes(beam: Any) -> None:
                 f"stiffness.{direction}: the beam has modes of {DIRECTION_WORDS[direction]} and no "
                 f"stiffness in it; give stiffness.{direction} or set modes.{direction} to 0"
             )
+
+
+def _check_attached(beam: Any) -> None:
+    """Refuse shapes with kinks where energies are summed over points that know nothing of them."""
+    if beam.basis != "attached":
+        return
+    if beam.model == "exact":
+        raise InputError(
+            "basis: attached shapes are for 'model: modes'; give 'basis: polynomials', or two "
+            "beams that begin where the load is"
+        )
+    if beam.end_section is not None or beam.end_stiffness is not None:
+        raise InputError(
+            "basis: attached shapes are those of a uniform beam; give 'basis: polynomials'"
+        )
 
 
 def _check_inertia(beam: Any) -> None:

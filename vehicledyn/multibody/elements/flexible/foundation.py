@@ -17,7 +17,8 @@ from vehicledyn.symbolic.equations import Channel
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec
 
 _GROUND = "ground"
-_OF_A_SEGMENT = 2
+POINTS_OF_A_SEGMENT = 2
+"""Points of the quadrature in each segment."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,8 +73,8 @@ class Foundation:
 class FoundedBeam:
     """A beam on its foundation.
 
-    ``points`` is the number of points of the quadrature, of each segment where ``joints``, the
-    places between segments, are given. ``line`` are at, direction and upwards of the beam.
+    ``points`` is the number of points of the quadrature between ``breaks``, the places between
+    segments or where shapes have kinks. ``line`` are at, direction and upwards of the beam.
     """
 
     name: str
@@ -81,7 +82,7 @@ class FoundedBeam:
     body: str
     foundation: Foundation
     points: int
-    joints: Sequence[float] | None
+    breaks: Sequence[float]
     line: tuple[Sequence[Scalar], Sequence[Scalar], Sequence[Scalar]]
 
     def __post_init__(self) -> None:
@@ -101,11 +102,9 @@ class FoundedBeam:
     def _nodes(self) -> Iterator[tuple[str, float, float]]:
         """Yield name, place and weight over the length of the points of the quadrature."""
         f, number = self.foundation, 0
-        inner = [] if self.joints is None else [j for j in self.joints if f.begin < j < f.end]
-        edges = [f.begin, *inner, f.end]
-        count = self.points if self.joints is None else _OF_A_SEGMENT
+        edges = [f.begin, *(place for place in self.breaks if f.begin < place < f.end), f.end]
         for first, last in pairwise(edges):
-            for place, weight in zip(*quadrature(count), strict=True):
+            for place, weight in zip(*quadrature(self.points), strict=True):
                 number += 1
                 span = last - first
                 yield f"{self.name}.support_{number}", first + span * float(place), span * weight

@@ -1,0 +1,122 @@
+"""Shapes with kinks where loads act span static deflections under these exactly."""
+
+import numpy as np
+import pytest
+from beam_kernels import (
+    BENDING,
+    LENGTH,
+    MASS,
+    PACE,
+    STRETCH,
+    TWIST,
+    at_rest,
+    frequencies,
+    kernel_of,
+)
+
+import vehicledyn as vd
+from vehicledyn.base.errors import InputError
+from vehicledyn.multibody import Body
+from vehicledyn.multibody.bodies.attached_shapes import attached_shapes
+from vehicledyn.multibody.bodies.beam_properties import Stiffness
+from vehicledyn.multibody.bodies.beam_shapes import quadrature
+from vehicledyn.multibody.elements.external_wrenches import ExternalWrench
+from vehicledyn.multibody.elements.flexible.beam import Beam, Modes
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_shapes_are_decoupled(order):
+    shapes = attached_shapes(6, order, (0.3, 0.75, 1.0, 0.3))
+    places, weights = quadrature(12, (0.3, 0.75))
+    moved, bent = shapes.at(places), shapes.at(places, order)
+    assert (moved.T * weights) @ moved == pytest.approx(np.eye(6), abs=1e-10)
+    springs = (bent.T * weights) @ bent
+    assert springs / np.diag(springs) == pytest.approx(np.eye(6), abs=1e-8)
+    assert np.diag(springs) == pytest.approx(shapes.stiffness)
+
+
+def test_loads_in_the_middle_of_a_beam():
+    """Deflections and loads of sections to rounding; eight polynomials twist 5 % too little."""
+    force, torque = np.array([3e-5, 0.0, -2e-6]), 1e-6
+    load = ExternalWrench(
+        "load", body="beam.frame_1", force=lambda t: tuple(force), torque=lambda t: (torque, 0, 0)
+    )
+    kernel = kernel_of(
+        parts=(load,), frames=(0.4, 0.2), basis="attached",
+        modes=Modes(z=5, y=5, twist=3, stretch=3),
+    )  # fmt: skip
+    seen, at = at_rest(kernel), 0.4 * LENGTH
+    reach = at**2 * (3.0 * LENGTH - at) / 6.0 / BENDING
+    assert seen["beam.tip_z"] == pytest.approx(force[2] * reach, rel=1e-6)
+    assert seen["beam.tip_x"] == pytest.approx(force[0] * at / STRETCH, rel=1e-3)
+    assert seen["beam.start.moment_y"] == pytest.approx(-force[2] * at, rel=1e-6)
+    assert seen["beam.frame_2.moment_y"] == pytest.approx(-force[2] * 0.5 * at, rel=1e-6)
+    assert seen["beam.frame_2.shear_force_z"] == pytest.approx(force[2], rel=1e-6)
+    assert seen["beam.frame_2.torque"] == pytest.approx(torque, rel=1e-6)
+    assert seen["beam.frame_1.moment_y"] == pytest.approx(0.0, abs=1e-9)
+    twisted = 0.5 * torque**2 * at / TWIST
+    bent = force[2] ** 2 * at**3 / 6.0 / BENDING
+    pulled = 0.5 * force[0] ** 2 * at / STRETCH
+    assert seen["beam.strain_energy"] == pytest.approx(twisted + bent + pulled, rel=1e-6)
+
+
+@pytest.mark.long
+def test_frequencies_with_a_mass_in_the_middle():
+    """Roots of the determinant of two spans; ten polynomials are 7e-4 and 1.5e-3 off."""
+    load = Body("load", "beam.frame_1", mass=2.0 * MASS * LENGTH)
+    found = frequencies(kernel_of(load, modes=Modes(z=8), basis="attached", frames=(0.4,)))[:3]
+    assert found == pytest.approx([6.475038974, 25.322676009, 115.515387005], rel=1e-4)
+
+
+@pytest.mark.long
+def test_rotation_stiffens_it():
+    """Flap at a speed of 12, hub ratio 0; own Legendre-Ritz solution."""
+    modes = Modes(z=8)
+    found = frequencies(kernel_of(speed=12.0 * PACE, modes=modes, basis="attached", frames=(0.3,)))
+    expected = [13.170150, 37.603112, 79.614478]
+    assert found[:3] / PACE == pytest.approx(expected, rel=1e-3)
+
+
+def test_a_rail_on_its_bed(tmp_path):
+    """Its middle sinks by P λ/2 k; twelve polynomials sink 10 % too little, Hetenyi (1946)."""
+    bed, bending = 1e8, 6.4e6
+    per_length = (bed / 4.0 / bending) ** 0.25
+    (tmp_path / "rail.yaml").write_text(f"""title: A rail under a wheel
+gravity: [0, 0, 0]
+bodies:
+  start: {{joints: [T3 z, R2 pitch]}}
+elements:
+  rail:
+    kind: beam
+    body: start
+    length: {12.0 / per_length} m
+    stiffness: {{mass_per_length: 60 kg/m, z: {bending} N*m^2}}
+    modes: {{z: 12}}
+    basis: attached
+    frames: [0.5]
+    foundation: {{at: [0, 0, 0], stiffness: [0, 0, {bed} N/m^2]}}
+wrenches:
+  wheel: {{body: rail.frame_1, force: [0, 0, -1 kN]}}
+sensors:
+  middle: {{kind: point, body: rail.frame_1, shows: [position]}}
+""")
+    found = vd.equilibrium(tmp_path / "rail.yaml", backend="interpreted")
+    assert found["middle.z"].values == pytest.approx(-1e3 * per_length / 2.0 / bed, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"model": "exact"}, "attached shapes are for 'model: modes'"),
+        ({"end_stiffness": Stiffness(mass_per_length=1.0, z=2.0)}, "of a uniform beam"),
+    ],
+)
+def test_what_has_no_kinks_is_refused(change, words):
+    settings = {"length": 1.0, "stiffness": Stiffness(mass_per_length=1.0, z=1.0)}
+    with pytest.raises(InputError, match=words):
+        Beam("beam", body="ground", modes=Modes(z=4), basis="attached", **settings, **change)
+
+
+def test_frames_too_near_to_an_end_are_refused():
+    with pytest.raises(InputError, match=r"frames: 1e-05 is too near to an end"):
+        attached_shapes(6, 2, (1e-5,))
