@@ -18,6 +18,8 @@ SWING = {"kind": "sine", "amplitude": "rod * 4 rad/m", "frequency": "3 Hz"}
 MOVED = {"motion": {"crank.angle": SWING}, "duration": "20 ms"}
 ROAD = "body.height, road.height"
 TURN = "rocker.angle, crank.angle, 20 deg"
+RISE = "wheel.contact_z"
+AXIS = "caster", "lateral_offset", "side_centre_x", "side_centre_z", "roll_centre_z"
 WALKS = {
     "channels": ("double_pendulum", ["upper.angle", "energy.kinetic"], RK4),
     "figures": ("quarter_car", ["rms(tyre.force)", "peak(body.height)"], RK4),
@@ -33,6 +35,16 @@ WALKS = {
     "kinematics": (
         "four_bar",
         [f"kinematics({TURN})", f"kinematics(ratio.crank.angle.{TURN})"],
+        {},
+    ),
+    "axes": (
+        "double_wishbone_suspension",
+        [
+            *(f"kinematics(instant.{RISE}.wheel.{name}, {RISE}, 3 mm)" for name in AXIS),
+            f"kinematics(roll_centre.{RISE}.wheel, {RISE}, 3 mm)",
+            f"kinematics(motion_ratio.{RISE}.wheel.strut, {RISE}, 3 mm)",
+            f"kinematics(ratio.{RISE}.wheel.turning_x, {RISE}, 3 mm)",
+        ],
         {},
     ),
     "rig": (

@@ -98,7 +98,7 @@ def sweep_kinematics(
     machine = mechanism(positions, list(request.drives), request.hold)
     drives = _drives(positions, request)
     sensors = [part for part in system.parts if isinstance(part, WheelAngles)]
-    book = _Columns(machine, _wheels(sensors, positions), [s.name for s in sensors])
+    book = _Columns(machine, moving_wheels(sensors, positions), [s.name for s in sensors])
     shown = book.shown(request.columns)
     kept = kept or KeptWork()
     facts = "kinematics", digests_to_keep(kept, [target]), request
@@ -117,7 +117,7 @@ def _left_out(positions: Positions) -> list[str]:
     return [f"left out: {listed}, since a motion along a path knows no forces"]
 
 
-def _wheels(sensors: Sequence[WheelAngles], positions: Positions) -> list[WheelColumns]:
+def moving_wheels(sensors: Sequence[WheelAngles], positions: Positions) -> list[WheelColumns]:
     """Return the wheel sensors that move."""
     channels, speeds = ([c.name for c in g] for g in (positions.channels, positions.speeds))
     found = [wheel_columns(s.name, s.side == "left", channels, speeds) for s in sensors]

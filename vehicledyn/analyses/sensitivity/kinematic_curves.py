@@ -7,20 +7,26 @@ start, dq/dp = -(∂g/∂q)⁻¹ (∂g/∂p + ∂g/∂s ds/dp), and of a channel
 
 A velocity ratio r = ∂y/∂q t, with the tangent t of the path from ∂g/∂q t = e, follows alike:
 dr/dp = d(∂y/∂q)/dp t - ∂y/∂q (∂g/∂q)⁻¹ d(∂g/∂q)/dp t, the matrices moving with q, s and p.
+Instant axes, roll centres and motion ratios are drawn from values and ratios, through which a step
+into the complex plane carries these derivatives.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyse.continuation import SingularPlace, Way
+from vehicledyn.analyses.mechanism.axle_characteristics import axle_columns
 from vehicledyn.analyses.mechanism.driven_mechanism import Mechanism, mechanism
-from vehicledyn.analyses.mechanism.kinematics import ratio_channel
+from vehicledyn.analyses.mechanism.instant_axes import axis_channels, axis_values
+from vehicledyn.analyses.mechanism.kinematics import moving_wheels, ratio_channel
 from vehicledyn.analyses.mechanism.mechanism_path import Drive, run_sweep
 from vehicledyn.analyses.preparation.build_model import build_subject
 from vehicledyn.analyses.preparation.prepared import Progress
@@ -30,16 +36,22 @@ from vehicledyn.base.ranges import read_range
 from vehicledyn.base.step_memory import Memory
 from vehicledyn.base.units import shown
 from vehicledyn.files.scenario.target import Target
+from vehicledyn.multibody.elements.wheel_angles import WheelAngles
 from vehicledyn.multibody.loops.position_level import Positions
+from vehicledyn.multibody.model.system import System
 from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.results.tables.sensitivity_table import SensitivityTable
+from vehicledyn.symbolic.equations import Channel
 
 Floats = NDArray[np.float64]
+Numbers = NDArray[Any]
 
 _NAME = re.compile(r"kinematics\(([^,]+),([^,]+),([^,]+)\)")
 _SINGULAR = 1e-10
 """Part of the largest singular value of the rows below which a place is singular."""
 
+_ASIDE = 1e-40j
+"""Step into the complex plane, so small that its square is nothing."""
 
 KINDS = Way, SingularPlace
 """Results of steps that a memory knows."""
@@ -78,20 +90,22 @@ def find_kinematic_sensitivity(
     figures, values, slopes = [], [], []
     for (channel, drive, text), name in zip(asked, of, strict=True):
         machine, places = _driven(positions, drive, text, name)
-        row, is_ratio = _place(positions, channel, drive, name)
-        path = [Drive(drive, places)]
-        swept = run_sweep(machine, path, together=False, progress=progress, memory=memory)
+        drawn = _Drawn.of(system, machine, channel, name)
+        swept = run_sweep(
+            machine, [Drive(drive, places)], together=False, progress=progress, memory=memory
+        )
         if swept.failures:
             raise NumericalError(swept.failures[0].words)
+        own = positions.channels[machine.drives[0]]
         for sample, place in zip(swept.samples, places, strict=True):
-            own, item = positions.channels[machine.drives[0]], positions.channels[row]
             figure = f"{channel} at {drive} = {shown(place, own.unit)}"
-            about = ratio_channel(own, item) if is_ratio else item
-            figures.append(Quantity(figure, about.unit, about.description))
-            values.append(float(sample.ratios[0, row] if is_ratio else sample.values[row]))
-            given = drive, sample.coordinates, row, is_ratio
-            found = partial(_slope, machine, *given[1:])
-            slopes.append(memory.recall_or_raise("slope", given, found)[chosen])
+            figures.append(Quantity(figure, drawn.channel.unit, drawn.channel.description))
+            given = drive, sample.coordinates, drawn.has_ratios
+            find = partial(_slopes, machine, *given[1:])
+            moved = memory.recall_or_raise("slopes", given, find)
+            value, slope = drawn.at(sample.values, sample.ratios[0], *moved)
+            values.append(value)
+            slopes.append(slope[chosen])
     entries = [positions.parameters[k] for k in chosen]
     return SensitivityTable(
         target.title,
@@ -104,30 +118,83 @@ def find_kinematic_sensitivity(
     )
 
 
-_RATIO = "ratio."
-_OF_RATIOS = "instant.", "swing.", "roll_centre.", "motion_ratio."
+@dataclass(frozen=True)
+class _Drawn:
+    """A figure of a place: its channel, and what it is drawn from.
+
+    ``value`` takes the channels (n_channels,) and, if ``has_ratios``, their velocity ratios and
+    those of the speeds (n_channels + n_speeds,), and is analytic in them.
+    """
+
+    channel: Channel
+    value: Callable[[Numbers, Numbers], complex]
+    has_ratios: bool = True
+
+    @classmethod
+    def of(cls, system: System, machine: Mechanism, channel: str, name: str) -> _Drawn:
+        """Return the figure that a name means.
+
+        Raises
+        ------
+        InputError
+            If it means none.
+        """
+        positions = machine.positions
+        drive = positions.channels[machine.drives[0]]
+        names = [c.name for c in positions.channels]
+        if channel in names:
+            row = names.index(channel)
+            return cls(positions.channels[row], lambda values, _: values[row], False)
+        known: dict[str, _Drawn] = {}
+
+        def offer(about: Channel, number: int, family: Callable[..., Any]) -> None:
+            known[about.name] = cls(about, lambda *at: complex(family(*at)[number]))
+
+        for k, item in enumerate((*positions.channels, *positions.speeds)):
+            offer(ratio_channel(drive, item), k, lambda _, ratios: ratios)
+        sensors = [part for part in system.parts if isinstance(part, WheelAngles)]
+        for wheel in moving_wheels(sensors, positions):
+            for k, about in enumerate(axis_channels(drive.name, wheel)):
+                offer(about, k, partial(axis_values, wheel))
+        axles = axle_columns([s.name for s in sensors], positions.channels, positions.speeds)
+        for k, about in enumerate(axles.channels(drive.name)):
+            offer(about, k, axles.values)
+        if channel in known:
+            return known[channel]
+        why = unknown_name("channel of positions", channel, [*names, *known])
+        if channel.startswith("swing."):
+            why = "a swing axis needs two drives; ask for the instant axis of one of them"
+        elif channel.startswith("ratio."):
+            why = f"velocity ratios are those along the drive, ratio.{drive.name}.CHANNEL; {why}"
+        raise InputError(f"'{name}': {why}")
+
+    def at(
+        self, values: Floats, ratios: Floats, by_parameter: Floats, turning: Floats
+    ) -> tuple[float, Floats]:
+        """Return the value and its derivatives by all parameters.
+
+        ``by_parameter`` and ``turning`` are those of the channels, and of the velocity ratios.
+
+        Raises
+        ------
+        NumericalError
+            If there is no such value at the place.
+        """
+        value = float(np.real(self.value(values, ratios)))
+        if not np.isfinite(value):
+            raise NumericalError(f"'{self.channel.name}' has no value at this place")
+        moved = zip(by_parameter.T, turning.T, strict=True)
+        slopes = [
+            self.value(values + _ASIDE * first, ratios + _ASIDE * second) for first, second in moved
+        ]
+        return value, np.imag(slopes) / _ASIDE.imag
 
 
-def _place(positions: Positions, channel: str, drive: str, name: str) -> tuple[int, bool]:
-    """Return the number of a channel, and whether its velocity ratio along the drive is meant."""
-    names = [c.name for c in positions.channels]
-    is_ratio = channel.startswith(f"{_RATIO}{drive}.")
-    own = channel.removeprefix(f"{_RATIO}{drive}.") if is_ratio else channel
-    if own in names:
-        return names.index(own), is_ratio
-    speeds = [c.name for c in positions.speeds]
-    why = ""
-    if is_ratio and own in speeds:
-        why = "ratios of velocities have no derivatives here; those of positions do"
-    elif channel.startswith(_OF_RATIOS):
-        why = f"it is drawn from several velocity ratios; ask for these, as {_RATIO}{drive}.CHANNEL"
-    elif channel.startswith(_RATIO) and not is_ratio:
-        why = f"velocity ratios are those along the drive, {_RATIO}{drive}.CHANNEL"
-    raise InputError(f"'{name}': {why or unknown_name('channel of positions', own, names)}")
+def _slopes(machine: Mechanism, q: Floats, has_ratios: bool) -> tuple[Floats, Floats]:
+    """Return the derivatives of channels and velocity ratios by all parameters.
 
-
-def _slope(machine: Mechanism, q: Floats, row: int, is_ratio: bool) -> Floats:
-    """Return the derivative of a channel or its ratio by all parameters, (n_parameters,).
+    Shapes (n_channels, n_parameters), and (n_channels + n_speeds, n_parameters), the latter not
+    numbers where they are not wanted.
 
     Raises
     ------
@@ -153,18 +220,17 @@ def _slope(machine: Mechanism, q: Floats, row: int, is_ratio: bool) -> Floats:
     driven = by_parameter[list(machine.drives)]
     moved = np.vstack([positions.residual_by_parameter(q) + gaps @ started, driven])
     follow = np.asarray(-np.linalg.lstsq(rows, moved, rcond=None)[0], dtype=float)
-    if not is_ratio:
-        found = by_parameter[row] + slopes[row, moving] @ follow
-        return np.asarray(found, dtype=float)
+    found = np.asarray(by_parameter + slopes[:, moving] @ follow, dtype=float)
+    if not has_ratios:
+        n = len(slopes) + len(positions.speeds)
+        return found, np.full((n, found.shape[1]), np.nan)
     everything = started.copy()
     everything[moving] = follow
-    return _ratio_slope(machine, q, row, rows, everything)
+    return found, _ratio_slopes(machine, q, rows, everything)
 
 
-def _ratio_slope(
-    machine: Mechanism, q: Floats, row: int, rows: Floats, by_parameter: Floats
-) -> Floats:
-    """Return the derivative of a channel's velocity ratio along the drive by all parameters.
+def _ratio_slopes(machine: Mechanism, q: Floats, rows: Floats, by_parameter: Floats) -> Floats:
+    """Return the derivatives of all velocity ratios along the drive by all parameters.
 
     ``rows`` are derivatives of loops and drives by the moving coordinates, ``by_parameter`` those
     of all coordinates (n_coordinates, n_parameters).
@@ -179,8 +245,8 @@ def _ratio_slope(
     gaps, channels = turned[: machine.gaps], turned[machine.gaps :]
     right = np.vstack([gaps, channels[list(machine.drives)]])
     turning = -np.linalg.lstsq(rows, right, rcond=None)[0]
-    found = channels[row] + positions.slopes(q)[row, moving] @ turning
-    return np.asarray(found, dtype=float)
+    slopes = np.vstack([positions.slopes(q), positions.speed_slopes(q)])[:, moving]
+    return np.asarray(channels + slopes @ turning, dtype=float)
 
 
 def _driven(

@@ -90,7 +90,8 @@ class Positions:
         self._values = ops.numeric([q], seen.values)
         self._slopes = ops.numeric([q], ops.jacobian(seen.values, q))
         self._speed_slopes = ops.numeric([q], seen.speed_slopes)
-        self._free, self._known, self._coordinate_column = seen.free, seen.known, q
+        self._free, self._free_speeds = seen.free, seen.free_speeds
+        self._known, self._coordinate_column = seen.known, q
         self.parameters = tuple(system.table.entries)
         self._moments = system, symbols, motion
 
@@ -130,9 +131,10 @@ class Positions:
         return ops.numeric([self._coordinate_column], ops.substitute(slopes, *self._known))
 
     def slopes_along(self, q: Array, tangent: Array) -> tuple[Array, Array]:
-        """Return how gaps and channels change along a tangent, differentiated once more.
+        """Return how gaps, channels and speeds change along a tangent, differentiated once more.
 
-        By all coordinates, shape (n_gaps + n_channels, n_coordinates), and by all parameters.
+        By all coordinates, shape (n_gaps + n_channels + n_speeds, n_coordinates), and by all
+        parameters. The speeds are those where the tangent is the rates.
 
         Parameters
         ----------
@@ -147,7 +149,7 @@ class Positions:
         q, symbols = self._coordinate_column, ops.column([e.symbol for e in self.parameters])
         tangent = ops.symbols("tangent", q.shape[0])
         rows = ops.stacked(self._gaps.expressions, self._free)
-        moved = ops.derivative(rows, q, tangent)
+        moved = ops.stacked(ops.derivative(rows, q, tangent), self._free_speeds @ tangent)
         found = (ops.jacobian(moved, by) for by in (q, symbols))
         first, second = (
             ops.numeric([q, tangent], ops.substitute(item, *self._known)) for item in found
@@ -184,7 +186,8 @@ class Positions:
 class _Seen:
     """Channels at rest and those linear in the rates, with expressions of the coordinates.
 
-    ``free`` are the channels with parameters as symbols, ``known`` these and their numbers.
+    ``free`` are the channels with parameters as symbols, ``free_speeds`` the slopes of the speeds,
+    ``known`` these symbols and their numbers.
     """
 
     channels: tuple[Channel, ...]
@@ -193,6 +196,7 @@ class _Seen:
     speed_slopes: Scalar
     without_channels: tuple[str, ...]
     free: Scalar
+    free_speeds: Scalar
     known: tuple[Scalar, Scalar]
 
     @classmethod
@@ -209,7 +213,7 @@ class _Seen:
         ]
         free = [output.expression for output in found]
         speeds: list[Channel] = []
-        speed_slopes = []
+        speed_slopes, free_speeds = [], []
         moving = ops.stacked(rates, unsteady)
         still = ops.column([0.0] * moving.shape[0])
         outputs, without = _outputs(system, symbols, kinematics)
@@ -226,6 +230,7 @@ class _Seen:
             ):
                 speeds.append(channel)
                 speed_slopes.append(ops.substitute(ops.jacobian(given, rates), moving, still))
+                free_speeds.append(ops.substitute(ops.jacobian(expression, rates), moving, still))
         return cls(
             tuple(output.channel for output in found),
             ops.column([output.expression for output in found]),
@@ -233,6 +238,7 @@ class _Seen:
             ops.stacked(ops.jacobian(ops.column([]), q), *speed_slopes),
             tuple(without),
             ops.column(free),
+            ops.stacked(ops.jacobian(ops.column([]), q), *free_speeds),
             (known, numbers),
         )
 
