@@ -18,13 +18,27 @@ from vehicledyn.kernel.derivatives import Derivatives
 
 Vector = NDArray[np.float64]
 
-_TABLE = "test.steering.angle"
-_KNOT_DISTANCE = 1.0
+_STEERING = "test.steering"
+_KNOTS = {f"{_STEERING}.angle.time_0": -0.5, f"{_STEERING}.angle.time_1": 0.5}
+"""Times of two knots about the present one: at a knot itself a slope is the mean of both [s]."""
+
+_SINE = {
+    "amplitude": 0.0,
+    "frequency": 0.5 / np.pi,
+    "sweep_rate": 0.0,
+    "cycles": 1.0,
+    "hold_at": 10.0,
+    "dwell": 0.0,
+    "begin": -0.5 * np.pi,
+}
+"""A sine of 1 rad/s at its peak: its amplitude is an angle δ with the acceleration -δ [SI]."""
+
+_INPUTS = [f"{_STEERING}.{name}" for name in ("angle.value_0", "angle.value_1", "amplitude")]
 
 
 @dataclass(frozen=True)
 class CorneringSystem:
-    """ẋ = A x + B_0 δ + B_1 δ̇ and y = C x + D_0 δ + D_1 δ̇ about a steady turn.
+    """ẋ = A x + B_0 δ + B_1 δ̇ + B_2 δ̈ and y = C x + D_0 δ + D_1 δ̇ + D_2 δ̈ about a steady turn.
 
     ``states`` are the names of x; ``outputs`` those of y; matrices in SI.
     """
@@ -46,9 +60,9 @@ class CorneringSystem:
         unit = np.eye(len(self.matrix))
         found = []
         for s in 2j * np.pi * frequencies:
-            given = self.inputs[:, 0] + s * self.inputs[:, 1]
-            moved = np.linalg.solve(s * unit - self.matrix, given)
-            found.append(shown @ moved + direct[0] + s * direct[1])
+            steering = np.array([1.0, s, s * s])
+            moved = np.linalg.solve(s * unit - self.matrix, self.inputs @ steering)
+            found.append(shown @ moved + direct @ steering)
         return np.array(found)
 
 
@@ -63,7 +77,7 @@ class CorneringModes:
         names = [e.states[k].name for k in self._kept]
         self._motion = [names.index(f"{chassis}.{n}_rate") for n in ("x", "y", "yaw")]
         self._names = names
-        self._slopes = Derivatives(e, [f"{_TABLE}.value_0", f"{_TABLE}.value_1"])
+        self._slopes = Derivatives(e, _INPUTS)
 
     def about(self, point: CarPoint, *, held_speed: bool = False) -> CorneringSystem:
         """Return the linear system about a turn.
@@ -73,8 +87,9 @@ class CorneringModes:
         """
         car = self.car
         parameters = point.parameters.copy()
-        times = [car.place(f"{_TABLE}.time_{k}") for k in (0, 1)]
-        parameters[times] = [0.0, _KNOT_DISTANCE]
+        sine = {f"{_STEERING}.{name}": value for name, value in _SINE.items()}
+        for name, value in {**_KNOTS, **sine}.items():
+            parameters[car.place(name)] = value
         if not held_speed:
             gain = parameters[car.place("test.integral_gain")]
             integral = point.state[car.state("drive.speed_error_integral")]
@@ -102,7 +117,8 @@ class CorneringModes:
         return CorneringSystem([self._names[k] for k in kept], matrix, inputs, outputs)
 
     @staticmethod
-    def _inputs(by_knots: Vector) -> Vector:
-        """Return the columns by angle and rate from those by the first two knots."""
-        rate = _KNOT_DISTANCE * by_knots[:, 1]
-        return np.stack([by_knots.sum(axis=1), rate], axis=1)
+    def _inputs(by_parameter: Vector) -> Vector:
+        """Return the columns by angle, rate and acceleration from those by knots and amplitude."""
+        before, after, at_peak = by_parameter.T
+        angle = before + after
+        return np.stack([angle, 0.5 * (after - before), angle - at_peak], axis=1)
