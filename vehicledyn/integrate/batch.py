@@ -18,6 +18,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from vehicledyn.base.argument_names import given
 from vehicledyn.base.errors import InputError
 from vehicledyn.codegen.toolchain.compiler import CompilationError, suitable_lanes
 from vehicledyn.integrate.accuracy.lanes import LaneWatch, lane_watch
@@ -116,7 +117,7 @@ def make_batch(
         If there can be no such number of lanes.
     """
     if lanes is not None and lanes not in CHOICES:
-        raise InputError(f"{lanes} lanes are impossible; choose one of 1, 4 and 8")
+        raise InputError(f"{given('lanes', lanes)}: choose 1, 4 or 8")
     most = suitable_lanes()
     wanted = most if lanes is None else min(lanes, most)
     if wanted == 1:

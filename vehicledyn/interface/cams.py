@@ -7,12 +7,14 @@ from pathlib import Path
 from typing import Any
 
 from vehicledyn.base.argument_names import given
+from vehicledyn.base.checked_arguments import checked
 from vehicledyn.base.errors import InputError
 from vehicledyn.interface.quantities import positive, quantity
 from vehicledyn.interface.running import result_place
 from vehicledyn.results.labelled.data import LabelledData
 
 
+@checked
 def cam(
     description: str | Path | Mapping[str, Any],
     *,

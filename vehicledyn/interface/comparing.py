@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
+from vehicledyn.base.checked_arguments import checked
 from vehicledyn.base.errors import InputError
 from vehicledyn.interface.quantities import texts
 from vehicledyn.results.compare.any_compare import compare_results
@@ -15,6 +16,7 @@ from vehicledyn.results.labelled.data import LabelledData
 Result = str | Path | LabelledData
 
 
+@checked
 def compare(
     result: Result,
     reference: Result,

@@ -7,7 +7,8 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, get_args
 
-from vehicledyn.base.argument_names import given
+from vehicledyn.base.argument_names import argument, given
+from vehicledyn.base.checked_arguments import checked
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.slope_text import slope_of
 from vehicledyn.interface.quantities import positive, quantity
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from vehicledyn.rail.profiles.profile_reading import ProfileReading
 
 
+@checked
 def contact_geometry(
     wheel: str | Path,
     rail: str | Path,
@@ -141,7 +143,10 @@ def _lengths(
     """Return lengths in SI, the usual ones in mm if none are given."""
     if values is None:
         return tuple(1e-3 * value for value in usual)
-    return tuple(quantity(name, value, "m") for value in values)
+    found = tuple(quantity(name, value, "m") for value in values)
+    if not found:
+        raise InputError(f"{argument(name)}: give one value or more")
+    return found
 
 
 def _yaw(yaw: float | str) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+from vehicledyn.base.checked_arguments import checked
 from vehicledyn.files.scenario.settings import Settings, override_texts
 from vehicledyn.interface.running import Progress, reporter
 from vehicledyn.interface.targets import Source, read_target
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
     from vehicledyn.analyses.models.exporting import ExportReport
 
 
+@checked
 def report(
     result: LabelledData | str | Path,
     output: str | Path | None = None,
@@ -49,6 +51,7 @@ def report(
     return write_report(source, page, against=other, progress=reporter(progress))
 
 
+@checked
 def write_equations(
     model: Source,
     to: Literal["c", "python", "matlab", "fmu", "cuda"],
@@ -89,6 +92,7 @@ def write_equations(
     return export_target(target, kind=to, path=_path(output), progress=reporter(progress))
 
 
+@checked
 def models() -> dict[str, str]:
     """Return the models that can be named, with a sentence each."""
     from vehicledyn.catalogue import first_lines

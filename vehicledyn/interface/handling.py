@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from vehicledyn.base.checked_arguments import checked
 from vehicledyn.files.scenario.settings import Settings, override_texts
 from vehicledyn.interface.quantities import positive
 from vehicledyn.interface.running import Progress, reporter, result_place
@@ -13,6 +14,7 @@ from vehicledyn.kernel.make_kernel import Backend
 from vehicledyn.results.labelled.data import LabelledData
 
 
+@checked
 def steady(
     car: Source,
     *,
@@ -76,6 +78,7 @@ def steady(
         return place.value(HandlingReport(table))
 
 
+@checked
 def handling(
     car: Source,
     *,

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+from vehicledyn.base.checked_arguments import checked
 from vehicledyn.files.scenario.settings import Settings, override_texts
 from vehicledyn.interface.quantities import texts
 from vehicledyn.interface.running import Progress, reporter, result_place
@@ -14,6 +15,7 @@ from vehicledyn.kernel.make_kernel import Backend
 from vehicledyn.results.labelled.data import LabelledData
 
 
+@checked
 def hunt(
     model: Source,
     first: float | str,

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from vehicledyn.base.argument_names import argument
+from vehicledyn.base.checked_arguments import checked
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.units import to_si
 from vehicledyn.files.scenario.settings import Settings, override_texts
@@ -21,6 +22,7 @@ from vehicledyn.studies.identification.identify import IdentificationReport, cha
 from vehicledyn.studies.identification.identify import identify as find
 
 
+@checked
 def identify(
     scenario: Source,
     measured: Mapping[str, tuple[Any, Any, float | str]],
@@ -71,6 +73,7 @@ def identify(
     return find(loaded, items, parameters, tell)
 
 
+@checked
 def identify_study(
     study: str | Path,
     *,

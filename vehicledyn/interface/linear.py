@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+from vehicledyn.base.checked_arguments import checked
 from vehicledyn.files.scenario.settings import Settings, override_texts
 from vehicledyn.interface.quantities import positive, speed_in_si, speeds_in_si, texts
 from vehicledyn.interface.running import Progress, reporter, result_place, warn_of
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from vehicledyn.analyses.linear.linear_model import LinearModel
 
 
+@checked
 def equilibrium(
     model: Source,
     *,
@@ -67,6 +69,7 @@ def equilibrium(
         return place.value(report)
 
 
+@checked
 def modes(
     model: Source | Mapping[str, Source],
     *,
@@ -138,6 +141,7 @@ def modes(
         return place.value(report)
 
 
+@checked
 def response(
     model: Source,
     inputs: str | Iterable[str],
@@ -208,6 +212,7 @@ def response(
         return place.value(report)
 
 
+@checked
 def linearise(
     model: Source,
     inputs: str | Iterable[str],

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
+from vehicledyn.base.checked_arguments import checked
 from vehicledyn.files.scenario.settings import Settings, override_texts
 from vehicledyn.interface.targets import Source, Target, read_target
 
 
+@checked
 def load(source: Source, *, set: Settings | None = None, **settings: Any) -> Target:
     """Return a scenario or model, checked completely, to change and to hand to analyses.
 

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import vehicledyn.catalogue  # noqa: F401
+from vehicledyn.base.checked_arguments import checked
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.files.scenario.settings import Settings, override_texts
 from vehicledyn.interface.running import Progress, reporter, result_place
@@ -13,6 +14,7 @@ from vehicledyn.library import locate
 from vehicledyn.results.labelled.data import LabelledData
 
 
+@checked
 def optimise_manoeuvre(
     study: str | Path,
     *,

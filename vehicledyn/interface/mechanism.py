@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from vehicledyn.base.argument_names import given
+from vehicledyn.base.checked_arguments import checked
 from vehicledyn.base.errors import InputError
 from vehicledyn.files.scenario.settings import Settings, override_texts
-from vehicledyn.interface.quantities import texts
+from vehicledyn.interface.quantities import quantity, texts
 from vehicledyn.interface.running import Progress, reporter, result_place
 from vehicledyn.interface.targets import Source, read_scenario, read_target
 from vehicledyn.kernel.make_kernel import Backend
@@ -19,6 +20,7 @@ Path_ = str | float | Sequence[Any]
 """Values of a drive: one, "FROM:TO:STEPS", or (from, to, steps)."""
 
 
+@checked
 def kinematics(
     model: Source,
     drives: Mapping[str, Path_] | None = None,
@@ -68,7 +70,7 @@ def kinematics(
     from vehicledyn.analyses.mechanism.kinematics import Request, sweep_kinematics
 
     request = Request(
-        {name: _range(name, values) for name, values in (drives or {}).items()},
+        {name: _range("drives", {name: values}, values) for name, values in (drives or {}).items()},
         together,
         tuple(texts("hold", hold)) if hold else (),
         tuple(texts("channels", channels)) if channels else (),
@@ -81,6 +83,7 @@ def kinematics(
         return place.value(report)
 
 
+@checked
 def rig(
     model: Source,
     test: str = "parallel",
@@ -133,10 +136,9 @@ def rig(
         If the loops cannot be assembled.
     """
     from vehicledyn.analyses.mechanism.rig import RigRequest, run_rig
-    from vehicledyn.base.units import to_si
 
-    span = None if values is None else _range("values", values)
-    lift = to_si(travel, "m") if isinstance(travel, str) else float(travel)
+    span = None if values is None else _range("values", values, values)
+    lift = quantity("travel", travel, "m")
     request = RigRequest(test, span, lift, steering)
     target = read_target(model, override_texts(set, settings), ("scenario", "system"))
     with result_place(save_to, may_exist=overwrite, resume=resume) as place:
@@ -146,6 +148,7 @@ def rig(
         return place.value(report)
 
 
+@checked
 def inverse(
     scenario: Source,
     *,
@@ -197,12 +200,12 @@ def inverse(
         return place.value(report)
 
 
-def _range(name: str, values: Path_) -> str:
-    """Return the values of a drive as a text."""
+def _range(argument: str, value: Any, values: Path_) -> str:
+    """Return values as a text; messages name the argument and what it was given."""
     if isinstance(values, str):
         return values
     if isinstance(values, Sequence):
         if len(values) != len(("from", "to", "steps")):
-            raise InputError(f"{given('drives', {name: values})}: write (from, to, steps)")
+            raise InputError(f"{given(argument, value)}: write (from, to, steps)")
         return ":".join(map(str, values))
     return str(values)

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import vehicledyn.catalogue  # noqa: F401
+from vehicledyn.base.checked_arguments import checked
 from vehicledyn.files.scenario.settings import Settings, override_texts
 from vehicledyn.interface.found_systems import only_model, write_found_system
 from vehicledyn.interface.running import Progress, reporter, result_place
@@ -13,6 +14,7 @@ from vehicledyn.library import locate
 from vehicledyn.results.labelled.data import LabelledData
 
 
+@checked
 def optimise(
     study: str | Path,
     *,

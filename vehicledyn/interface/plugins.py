@@ -6,8 +6,10 @@ from pathlib import Path
 
 import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.base import plugins
+from vehicledyn.base.checked_arguments import checked
 
 
+@checked
 def load_plugin(path: str | Path) -> list[tuple[str, str]]:
     """Run a Python file that registers laws or parts; return family and name of each.
 

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+from vehicledyn.base.checked_arguments import checked
 from vehicledyn.base.errors import InputError
 from vehicledyn.files.scenario.settings import Settings, override_texts
 from vehicledyn.interface.quantities import speed_in_si, texts
@@ -14,6 +15,7 @@ from vehicledyn.interface.targets import Source, read_scenario, read_target
 from vehicledyn.results.labelled.data import LabelledData
 
 
+@checked
 def sensitivity(
     scenario: Source,
     of: str | Iterable[str],

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from vehicledyn.analyses.simulation.simulation import run_scenario
+from vehicledyn.base.checked_arguments import checked
 from vehicledyn.files.scenario.settings import Settings, override_texts
 from vehicledyn.interface.running import Progress, reporter, result_place
 from vehicledyn.interface.targets import Source, read_scenario
@@ -13,6 +14,7 @@ from vehicledyn.kernel.make_kernel import Backend
 from vehicledyn.results.labelled.data import LabelledData
 
 
+@checked
 def simulate(
     scenario: Source,
     *,

@@ -9,8 +9,9 @@ from typing import Any
 
 import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.base.argument_names import argument
+from vehicledyn.base.checked_arguments import checked
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.problems import Problem
+from vehicledyn.base.problems import Place, Problem
 from vehicledyn.base.yaml import parse_yaml
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.files.scenario.overrides import read_override
@@ -25,6 +26,7 @@ from vehicledyn.studies.load import LoadedStudy, load_study, study_of
 from vehicledyn.studies.sweep import run_study
 
 
+@checked
 def sweep(
     study: Source | LoadedStudy,
     *,
@@ -91,7 +93,13 @@ def sweep(
         raise InputError(f"{argument('vary')} and {argument('cases')}: give one of the two")
     else:
         wanted = cases if vary is None else {"kind": "grid", "vary": vary}
-        loaded = _from_scenario(read_scenario(study, changes), wanted or {}, channels)
+        name = argument("cases" if vary is None else "vary")
+        places: dict[Place, str] = {
+            ("cases", "vary", key): f"{name}[{key!r}]" for key in vary or ()
+        }
+        loaded = _from_scenario(
+            read_scenario(study, changes), wanted or {}, channels, {("cases",): name, **places}
+        )
     with result_place(save_to, may_exist=resume or overwrite) as place:
         outcome = run_study(
             loaded,
@@ -117,7 +125,10 @@ def _from_file(study: Source, changes: list[str], channels: list[str] | None) ->
 
 
 def _from_scenario(
-    scenario: LoadedScenario, cases: Mapping[str, Any], channels: list[str] | None
+    scenario: LoadedScenario,
+    cases: Mapping[str, Any],
+    channels: list[str] | None,
+    arguments: Mapping[Place, str],
 ) -> LoadedStudy:
     """Return the study of a scenario, which need not be a file."""
     path = Path(scenario.path).resolve()
@@ -129,10 +140,10 @@ def _from_scenario(
     }
     if channels is not None:
         data["output"] = {"channels": list(channels)}
-    document = parse_yaml(json.dumps(data, ensure_ascii=False), argument("cases"))
+    document = parse_yaml(json.dumps(data, ensure_ascii=False), "the study")
     documents = {str(path): parse_yaml(scenario.text, str(path))}
     place = path.with_name("study.yaml")
-    return study_of(document, place, documents=documents, built=scenario.built)
+    return study_of(document, place, documents=documents, built=scenario.built, arguments=arguments)
 
 
 def _change(override: str) -> tuple[str, Any]:

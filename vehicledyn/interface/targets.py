@@ -7,8 +7,6 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 import vehicledyn.catalogue  # noqa: F401
-from vehicledyn.base.argument_names import argument
-from vehicledyn.base.errors import InputError
 from vehicledyn.base.problems import refusal
 from vehicledyn.base.registry import kinds
 from vehicledyn.base.yaml import parse_yaml, read_yaml
@@ -83,11 +81,6 @@ def _read(
         return source.with_overrides(changes) if changes else source
     if isinstance(source, System):
         return _of_system(source, of_model)
-    if not isinstance(source, str | Path):
-        raise InputError(
-            f"{argument('scenario')}: expected a path, a name, a System or what vehicledyn.load "
-            f"returned, found {type(source).__name__}"
-        )
     if source in kinds("model") and not Path(f"{source}.yaml").is_file():
         return load_model(str(source), of_model)
     path = locate(str(source), preferred, kinds("model"))

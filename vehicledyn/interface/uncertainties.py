@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, Literal
 
+from vehicledyn.base.checked_arguments import checked
 from vehicledyn.files.scenario.settings import Settings, override_texts
 from vehicledyn.interface.quantities import texts
 from vehicledyn.interface.running import Progress, reporter, result_place
@@ -15,6 +16,7 @@ from vehicledyn.studies.uncertainty.report import UncertaintyReport
 from vehicledyn.studies.uncertainty.run import find_uncertainty
 
 
+@checked
 def uncertainty(
     scenario: Source,
     of: str | Iterable[str],
@@ -87,6 +89,7 @@ def uncertainty(
     )
 
 
+@checked
 def uncertainty_study(
     study: str | Path,
     *,

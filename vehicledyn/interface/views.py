@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
+from vehicledyn.base.checked_arguments import checked
 from vehicledyn.interface.quantities import positive
 from vehicledyn.interface.running import result_place
 from vehicledyn.library import locate
 from vehicledyn.results.labelled.data import LabelledData
 
 
+@checked
 def track(
     source: str | Path,
     *,
@@ -52,6 +54,7 @@ def track(
         return place.value(view_track(path, every=step, speed=velocity, output=place.path))
 
 
+@checked
 def tyre(
     file: str | Path,
     *,

@@ -6,7 +6,7 @@ import copy
 import json
 import math
 from array import array
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -92,12 +92,15 @@ def study_of(
     document: Document,
     path: Path,
     overrides: Sequence[str] = (),
+    *,
     documents: dict[str, Document] | None = None,
     built: PythonModel | None = None,
+    arguments: Mapping[Place, str] | None = None,
 ) -> LoadedStudy:
     """Return the study of a document that was read.
 
-    ``documents`` are files that are not read, ``built`` is a model that is no file.
+    ``documents`` are files that are not read, ``built`` is a model that is no file, ``arguments``
+    are the names of what a caller gave in place of values of the document.
 
     Raises
     ------
@@ -108,7 +111,9 @@ def study_of(
         words = f"the file holds {describe(document.data)}; a study is a mapping"
         problem = Problem(document.name, START, "file", f"{words} with title, scenario and cases")
         raise refusal([*document.problems, problem], document.name)
-    return _Reading(document, path, overrides, documents or {}, _portable(built)).load()
+    reading = _Reading(document, path, overrides, documents or {}, _portable(built))
+    reading.sources.options.update(arguments or {})
+    return reading.load()
 
 
 def _portable(built: PythonModel | None) -> PortableModel | None:

@@ -157,7 +157,9 @@ def run_study(
     """
     started = time.monotonic()
     _refuse_output(output, may_exist=resume or overwrite)
-    work = work_of(study, lanes=lanes or study.study.lanes, backend=backend)
+    if workers is not None and workers < 1:
+        raise InputError(f"{given('workers', workers)}: give 1 or more, or None for one a core")
+    work = work_of(study, lanes=study.study.lanes if lanes is None else lanes, backend=backend)
     with contextlib.ExitStack() as stack:
         helpers = _helpers(stack, work, workers or study.study.workers, cluster, progress)
         worker, model = facts_of(work, progress)

@@ -103,7 +103,7 @@ def test_bad_input_names_the_argument_and_no_option(settings, words):
 def test_what_is_no_scenario_is_refused(tmp_path):
     with pytest.raises(vd.InputError, match="did you mean 'quarter_car'"):
         vd.simulate("quarter_cat")
-    with pytest.raises(vd.InputError, match="expected a path, a name, a System"):
+    with pytest.raises(vd.InputError, match="scenario: expected a text, a path, a System"):
         vd.simulate(42)
     with pytest.raises(vd.InputError, match=r"no coordinate named 'rod\.angel'"):
         vd.simulate(pendulum(), set={"initial.rod.angel": 1.0})

@@ -44,7 +44,7 @@ def test_risks_and_indices():
         ({"parameters": {"length": LAWS["length"] | {"mean": "1 kg"}}}, "kg"),
         ({"parameters": {"length": LAWS["length"] | {"deviation": "-1 mm"}}}, "above zero"),
         ({"parameters": {}}, "at least one"),
-        ({"method": "guess"}, "method 'guess'"),
+        ({"method": "guess"}, "method: expected 'first_order'.* found 'guess'"),
         ({"method": "sobol", "number": 30}, "power of two"),
         ({"of": ["upper.angle"]}, "is a curve"),
         ({"of": ["max(upper.angel)"]}, "did you mean 'upper.angle'"),

@@ -9,6 +9,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from vehicledyn.base.checked_arguments import checked
 from vehicledyn.base.errors import InputError, UnknownNameError
 from vehicledyn.base.files.whole_file import whole_file
 from vehicledyn.base.report import Report
@@ -259,6 +260,7 @@ class LabelledData(Mapping[str, LabelledArray]):
         return as_html(self)
 
 
+@checked
 def open_result(path: str | Path) -> LabelledData:
     """Return a result file of any analysis: a run, study, modes, responses, cycles or contacts.
 

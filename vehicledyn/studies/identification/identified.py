@@ -107,6 +107,9 @@ def _check_name(name: str, known: Mapping[str, Any], model: str) -> None:
 
 def _numbers(name: str, unit: str, item: Mapping[str, Any], value: float) -> dict[str, float]:
     """Return the numbers of one parameter in SI."""
+    missing = [key for key in ("from", "to") if key not in item]
+    if missing:
+        raise InputError(f"parameters.{name}.{missing[0]}: missing; give both bounds")
     found = {"start": value, "prior": np.nan, "deviation": np.nan}
     for key, text in item.items():
         try:

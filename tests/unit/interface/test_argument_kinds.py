@@ -1,0 +1,103 @@
+"""Arguments of the wrong kind are refused by their names, whatever the function."""
+
+import inspect
+
+import numpy as np
+import pytest
+
+import vehicledyn as vd
+from vehicledyn.base.argument_names import arguments_named
+from vehicledyn.base.checked_arguments import checked
+from vehicledyn.base.errors import InputError
+
+FUNCTIONS = [
+    name for name in vd.__all__ if inspect.isfunction(getattr(vd, name)) and name != "models"
+]
+
+MEASURED = {"body.height": ([0.0, 0.1], [0.0, 0.0], "1 mm")}
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_every_argument_of_the_front_door_is_checked(name):
+    """A value of no known kind is refused before anything is read, by the argument's name."""
+    function = getattr(vd, name)
+    parameters = inspect.signature(function).parameters.values()
+    required = {
+        p.name: {} if p.annotation.startswith("Mapping") else "c"
+        for p in parameters
+        if p.default is p.empty and p.kind is not p.VAR_KEYWORD
+    }
+    for parameter in parameters:
+        if parameter.kind is not parameter.VAR_KEYWORD:
+            with pytest.raises(InputError, match=f"{parameter.name}: expected .* found <obj"):
+                function(**{**required, parameter.name: object()})
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: vd.simulate("quarter_car", backend="compield"), "backend: expected 'auto', 'co"),
+        (lambda: vd.simulate("quarter_car", backend="compield"), "did you mean 'compiled'?"),
+        (lambda: vd.write_equations("quarter_car", "fortran"), "to: expected 'c', 'python', "),
+        (lambda: vd.response("quarter_car", "a", "b", at="1 Hz"), "at: expected a list of a num"),
+        (
+            lambda: vd.uncertainty("quarter_car", "time", {"body.mass": "300 kg"}),
+            "parameters: expected a mapping from names to a mapping, found {'body.mass': '300 kg'}",
+        ),
+        (lambda: vd.load(5), "source: expected a text, a path, a System or what vehicledyn.load"),
+        (
+            lambda: vd.identify("quarter_car", MEASURED, {"body.mass": {}}),
+            "parameters.body.mass.from: missing; give both bounds",
+        ),
+        (lambda: vd.contact_geometry("S1002", "60E1", shifts=[]), "shifts: give one value or more"),
+        (lambda: vd.rig("sedan", "twist"), "no test named 'twist'"),
+        (lambda: vd.rig("sedan", values=("0 m", "1 m")), "values=('0 m', '1 m'): write (from, to,"),
+        (lambda: vd.rig("sedan", travel="high"), "travel='high': expected a number with a unit"),
+    ],
+)  # fmt: skip
+def test_messages_say_what_is_expected(call, words):
+    with pytest.raises(InputError) as refused:
+        call()
+    assert words in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"workers": -3}, "workers=-3: give 1 or more"),
+        ({"workers": 0}, "workers=0: give 1 or more"),
+        ({"lanes": 0}, "lanes=0: choose 1, 4 or 8"),
+        ({"vary": {"parameters.body.mas": ["1 kg"]}}, "vary['parameters.body.mas']: "),
+        ({"vary": {"parameters.body.mas": ["1 kg"]}}, "1 problem in the study"),
+        ({"vary": {}}, "vary: cases.vary: nothing varies"),
+        ({"vary": None, "cases": {"kind": "random", "number": 0}}, "cases: cases.number: "),
+    ],
+)
+def test_sweeps_from_python_name_arguments(given, words):
+    """Neither a study file nor places in one are mentioned, and no process is waited for."""
+    vary = {"parameters.body.mass": ["300 kg"]}
+    with pytest.raises(InputError) as refused:
+        vd.sweep("quarter_car", **{"vary": vary, "duration": "0.1 s", "workers": 1, **given})
+    assert words in str(refused.value)
+    assert "study:" not in str(refused.value)
+
+
+def test_other_callers_give_other_names():
+    """The command line, say, has options in place of arguments."""
+
+    class Options:
+        def argument(self, name):
+            return f"--{name}"
+
+    @checked
+    def halve(value: float) -> float:
+        return value / 2
+
+    assert halve(np.float64(3.0)) == 1.5
+    with (
+        arguments_named(Options()),
+        pytest.raises(InputError, match=r"^--value: expected a number"),
+    ):
+        halve(True)
+    with pytest.raises(TypeError, match=r"halve\(\) missing 1 required positional argument"):
+        halve()

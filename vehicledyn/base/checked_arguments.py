@@ -1,0 +1,164 @@
+"""Refuses arguments of another kind than a function of the front door annotates."""
+
+from __future__ import annotations
+
+import functools
+import inspect
+import reprlib
+import types
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import (
+    Any,
+    Literal,
+    ParamSpec,
+    SupportsFloat,
+    SupportsIndex,
+    TypeVar,
+    Union,
+    get_args,
+    get_origin,
+    get_type_hints,
+)
+
+from vehicledyn.base.argument_names import argument
+from vehicledyn.base.errors import InputError, nearest_name
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+_WORDS: dict[Any, str] = {
+    str: "a text",
+    Path: "a path",
+    bool: "True or False",
+    int: "a whole number",
+    float: "a number",
+    type(None): "None",
+    Mapping: "a mapping",
+    Sequence: "a list",
+    Iterable: "a list",
+    tuple: "a tuple",
+    Callable: "a function",
+}
+
+_LOADED = "what vehicledyn.load returned"
+
+
+def checked(function: Callable[P, R]) -> Callable[P, R]:
+    """Return the function, which now refuses arguments of the wrong kind by their names.
+
+    Raises
+    ------
+    InputError
+        When called: if an argument is not what its annotation says.
+    """
+    signature = inspect.signature(function)
+    hints = functools.cache(lambda: _hints(function))
+
+    @functools.wraps(function)
+    def call(*args: P.args, **kwargs: P.kwargs) -> R:
+        try:
+            given = signature.bind(*args, **kwargs).arguments
+        except TypeError:
+            return function(*args, **kwargs)  # Python's own message names the function
+        for name, value in given.items():
+            if signature.parameters[name].kind is not inspect.Parameter.VAR_KEYWORD:
+                _check(name, value, hints()[name])
+        return function(*args, **kwargs)
+
+    return call
+
+
+def _hints(function: Callable[..., Any]) -> dict[str, Any]:
+    """Return what the arguments are annotated with; what is returned may be known later."""
+    texts = {name: hint for name, hint in function.__annotations__.items() if name != "return"}
+    holder = types.SimpleNamespace(__annotations__=texts)
+    return get_type_hints(holder, function.__globals__)
+
+
+def _check(name: str, value: Any, kind: Any) -> None:
+    if _fits(value, kind):
+        return
+    choices = [c for item in _members(kind) if get_origin(item) is Literal for c in get_args(item)]
+    near = nearest_name(value, choices) if choices and isinstance(value, str) else None
+    hint = f"; did you mean '{near}'?" if near else ""
+    found = reprlib.repr(value)
+    raise InputError(f"{argument(name)}: expected {_words(kind)}, found {found}{hint}")
+
+
+def _members(kind: Any) -> tuple[Any, ...]:
+    """Return the kinds that an annotation joins."""
+    return get_args(kind) if get_origin(kind) in (Union, types.UnionType) else (kind,)
+
+
+def _fits(value: Any, kind: Any) -> bool:
+    """Return whether a value is of an annotated kind."""
+    if kind is Any:
+        return True
+    if len(_members(kind)) > 1:
+        return any(_fits(value, member) for member in _members(kind))
+    origin = get_origin(kind) or kind
+    test = _TESTS.get(origin)
+    return isinstance(value, origin) if test is None else test(value, *get_args(kind))
+
+
+def _is_choice(value: Any, *choices: Any) -> bool:
+    return isinstance(value, str) and value in choices
+
+
+def _is_whole_number(value: Any) -> bool:
+    return isinstance(value, SupportsIndex) and not isinstance(value, bool)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, SupportsFloat) and not isinstance(value, bool)
+
+
+def _is_mapping(value: Any, keys: Any, items: Any) -> bool:
+    return isinstance(value, Mapping) and all(
+        _fits(key, keys) and _fits(item, items) for key, item in value.items()
+    )
+
+
+def _is_list(value: Any, items: Any) -> bool:
+    """Return whether a value is a list of some items; what iterators give is not looked at."""
+    if isinstance(value, list | tuple):
+        return all(_fits(item, items) for item in value)
+    return isinstance(value, Iterable) and not isinstance(value, str | Mapping)
+
+
+def _is_tuple(value: Any, *items: Any) -> bool:
+    return isinstance(value, tuple | list) and len(value) == len(items)
+
+
+_TESTS: dict[Any, Callable[..., bool]] = {
+    Literal: _is_choice,
+    int: _is_whole_number,
+    float: _is_number,
+    Mapping: _is_mapping,
+    Iterable: _is_list,
+    Sequence: _is_list,
+    list: _is_list,
+    tuple: _is_tuple,
+    Callable: lambda value, *_: callable(value),
+}
+
+
+def _words(kind: Any) -> str:
+    """Return what an annotation asks for, as a phrase."""
+    parts: list[str] = []
+    for member in _members(kind):
+        origin = get_origin(member) or member
+        if origin is Literal:
+            parts += [repr(choice) for choice in get_args(member)]
+        elif origin is Mapping and get_args(member)[1] is not Any:
+            parts.append(f"a mapping from names to {_words(get_args(member)[1])}")
+        elif origin in (list, Iterable, Sequence) and get_args(member)[0] is not Any:
+            parts.append(f"a list of {_words(get_args(member)[0])}")
+        elif origin is tuple:
+            parts.append(f"a tuple of {len(get_args(member))}")
+        else:
+            loaded = getattr(origin, "__name__", "").startswith("Loaded")
+            parts.append(_LOADED if loaded else _WORDS.get(origin, f"a {origin.__name__}"))
+    *first, last = dict.fromkeys(parts)
+    return f"{', '.join(first)} or {last}" if first else last
