@@ -13,8 +13,7 @@ from vehicledyn.analyse.linearise import Linearisation, linearise
 from vehicledyn.analyse.modes import Mode, eigenmodes
 from vehicledyn.analyse.small_motions import varied_states
 from vehicledyn.analyses.linear.mode_report import ModesAtSpeed, ModesReport
-from vehicledyn.analyses.preparation.doubts.bent_beams import bent_at
-from vehicledyn.analyses.preparation.doubts.points import doubts_at
+from vehicledyn.analyses.preparation.doubts.points import doubtful_beams, doubts_at
 from vehicledyn.analyses.preparation.own_speed import at_speed, refuse_idle_speed, speed_matters
 from vehicledyn.analyses.preparation.prepare import Start, prepare, reference_start, start_point
 from vehicledyn.analyses.preparation.prepared import Check, Prepared, Progress
@@ -173,7 +172,7 @@ def _modes_at(
     )
     remarks = [] if kind == "steady" else [unsteadiness(prepared, point)]
     if kind == "nominal":
-        remarks += bent_at(prepared, point)
+        remarks += doubtful_beams(prepared, point)
     else:
         remarks += [point.remark, *doubts_at(prepared, point)]
     remark = "\n".join(filter(None, remarks))

@@ -17,7 +17,7 @@ from vehicledyn.analyses.linear.held_speed import held_speed_point
 from vehicledyn.analyses.linear.input_names import InputPart, ModelInput, hint
 from vehicledyn.analyses.linear.linear_inputs import Excited
 from vehicledyn.analyses.linear.response_report import ResponseReport
-from vehicledyn.analyses.preparation.doubts.bent_beams import bent_at
+from vehicledyn.analyses.preparation.doubts.points import doubtful_beams
 from vehicledyn.analyses.preparation.own_speed import at_speed, refuse_idle_speed
 from vehicledyn.analyses.preparation.prepare import Point, prepare
 from vehicledyn.analyses.preparation.prepared import Derived, Prepared, Progress
@@ -53,8 +53,8 @@ class Linearised:
     @property
     def remarks(self) -> tuple[str, ...]:
         """What makes the reference motion doubtful."""
-        found = (unsteadiness(self.prepared, self.point), *bent_at(self.prepared, self.point))
-        return tuple(filter(None, found))
+        point = self.prepared, self.point
+        return tuple(filter(None, (unsteadiness(*point), *doubtful_beams(*point))))
 
 
 def find_response(

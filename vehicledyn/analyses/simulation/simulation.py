@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyses.preparation.doubts.bent_beams import BentBeams
+from vehicledyn.analyses.preparation.doubts.coarse_foundations import coarse_foundations
 from vehicledyn.analyses.preparation.doubts.rounded_kinks import rounded_kinks
 from vehicledyn.analyses.preparation.mass_checks import (
     constraint_notes,
@@ -126,7 +127,7 @@ def run_scenario(
         notes.extend(moved_starts(prepared, start))
     else:
         notes.extend(filter(None, [start.remark, *rounded_kinks(prepared, start)]))
-    notes.extend(standing_wheels(prepared, start))
+    notes.extend([*standing_wheels(prepared, start), *coarse_foundations(prepared)])
     notes.extend(kinked_drives(prepared.subject, loaded.scenario.duration))
     notes.extend([*mended_profiles(loaded), *steep_roads(loaded), *cautions(loaded)])
     notes.extend(undamped_constraints(solver, prepared.equations))

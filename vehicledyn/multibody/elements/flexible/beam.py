@@ -160,15 +160,14 @@ class Beam(BasePart):
 
     @cached_property
     def _modal(self) -> ModalBeam | ExactBeam:
-        made = {
-            direction: self._shapes(direction, count) for direction, count in self.counts.items()
-        }
+        made = {direction: self.shapes_of(direction) for direction in self.counts}
         if self.model == "exact":
             return ExactBeam(self.name, self.length, self.properties, made, self.axis)
         return ModalBeam(self.name, self.length, self.properties, made, self.stiffening)
 
-    def _shapes(self, direction: str, count: int) -> Shapes:
-        bends = direction in ("y", "z")
+    def shapes_of(self, direction: str) -> Shapes:
+        """Return the assumed shapes of a direction."""
+        count, bends = self.counts[direction], direction in ("y", "z")
         if bends and self.basis == "sines":
             return hinged_shapes(count)
         if bends and self.basis == "free":
