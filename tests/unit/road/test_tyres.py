@@ -367,6 +367,8 @@ def test_conventions_of_other_programs():
         angle, camber = (math.radians(float(row[f"{n}_deg"])) for n in ("alpha", "gamma"))
         felt = (float(row["Fz"]), float(row["kappa"]), angle, camber)
         assert vector(library, *felt)[2] == pytest.approx(float(row["Mz_teasit"]), abs=1e-3)
+        drag = library.forces(TyreInput(*felt, 16.6)).rolling_resistance
+        assert float(drag) == pytest.approx(float(row["My_teasit"]), abs=1e-4)
         brian = [float(row["Fx_brian"]), float(row["Fy_brian"])]
         assert vector(angles, *felt)[:2] == pytest.approx(brian, abs=1e-4)
 
@@ -467,6 +469,50 @@ def test_rolling_resistance_turns_with_the_wheel():
     for speed, sign in ((10.0, -1), (-10.0, 1), (0.0, 0)):
         found = law.forces(TyreInput(4e3, 0.0, 0.0, 0.0, speed)).rolling_resistance
         assert np.sign(float(found)) == sign
+
+
+def test_rolling_resistance_grows_with_the_power_of_the_load_that_the_file_gives():
+    """0.85 in QSY7, as in SAE J2452, is a coefficient that hardly depends on the load."""
+
+    def of_load(load, **more):
+        felt = TyreInput(load, 0.0, 0.0, 0.0, 16.6)
+        return -float(find("tyre", "file")(**MF61, **more).forces(felt).rolling_resistance)
+
+    assert of_load(6752.0) == pytest.approx(6752 * 0.3943 * 0.01044, rel=1e-12)
+    assert of_load(3376.0) == pytest.approx(of_load(6752.0) * 0.5**0.85, rel=1e-12)
+    book = of_load(3376.0, convention="mf_tyre_library")
+    assert book == pytest.approx(0.5 * of_load(3376.0), rel=1e-12)
+
+
+SCALED = {"LMUX": 0.8, "LMUY": 0.85, "LFZO": 1.1, "LKY": 0.9, "LS": 1.2, "LTR": 0.9}
+SCALED |= {"LKYC": 1.1, "LVY": 1.3}
+MF_EVAL = {  # load, slip, slip angle, camber, speed: F_x, F_y, M_z, M_x
+    (4e3, 0.05, 0.06, -0.03, 20.0): [2678.371895, -2679.99894, 8.838194, 92.990812],
+    (7e3, -0.08, -0.04, 0.05, 10.0): [-5654.655925, 2180.423414, 3.961961, -150.605368],
+    (2.5e3, 0.0, 0.1, -0.06, -15.0): [-9.395757, -2179.417277, 6.39912, 77.422617],
+}
+TURNED = [  # the same and turn slip, F_y, M_z
+    ((4e3, 0.0, 0.05, 0.02, 10.0, 0.3), -3738.124326, 6.667524),
+    ((6e3, 0.0, -0.03, -0.04, 10.0, -0.6), 5299.178583, 12.118345),
+    ((2.5e3, 0.0, 0.0, 0.0, 10.0, 1.0), -1864.713156, -19.215233),
+]
+
+
+def test_the_convention_of_mf_eval():
+    """Equations (A48) to (A60) of Besselink's paper, by an independent program."""
+    law = find("tyre", "file")(**MF61, convention="mf_eval", scaling=SCALED, pressure="2.3 bar")
+    for felt, wanted in MF_EVAL.items():
+        f = law.forces(TyreInput(*felt))
+        found = [f.longitudinal_force, f.lateral_force, f.aligning_moment, f.overturning_moment]
+        assert [float(x) for x in found] == pytest.approx(wanted, abs=1e-4)
+
+
+def test_turn_slip_by_an_independent_program():
+    law = tyre("file")
+    for felt, across, moment in TURNED:
+        f = law.forces(TyreInput(*felt))
+        assert float(f.lateral_force) == pytest.approx(across, abs=1e-3)
+        assert float(f.aligning_moment) == pytest.approx(moment, abs=0.1)
 
 
 def test_turn_slip_takes_force_and_is_none_without_it():

@@ -17,7 +17,8 @@ class MagicFormula62(FileTyre):
 
     Conventions: "standard" takes α in pure side slip and in the moment, tan α in the weights of
     combined slip; "tangent" takes tan α throughout, "angles" α and γ; "mf_tyre_library" follows
-    the moment of that program.
+    the moment and the rolling resistance of that program; "mf_eval" follows the public program
+    MFeval, which was compared with MF-Tyre.
     """
 
     knows_turn_slip: ClassVar[bool] = True

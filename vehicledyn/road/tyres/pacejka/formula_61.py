@@ -7,7 +7,8 @@ without turn slip.
 References
 ----------
 Pacejka (2012), Tire and Vehicle Dynamics, 3rd edition, section 4.3.2, by way of public programs
-that agree with each other; the book itself was not at hand.
+that agree with each other; the book itself was not at hand. Rolling resistance: Besselink,
+Schmeitz, Pacejka (2010), Vehicle System Dynamics 48 (S1), 337-352, (A48), by way of MFeval.
 """
 
 from __future__ import annotations
@@ -36,9 +37,6 @@ from vehicledyn.road.tyres.tyre import TyreForces, TyreInput
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar
 
-_DIGRESSION = 10.0
-"""A_μ of the digressive friction factor of vertical shifts [1]."""
-
 
 @dataclass(frozen=True)
 class Rules:
@@ -55,6 +53,18 @@ class Rules:
         Whether the residual moment has cos α twice.
     upright_moment
         Whether shifts, stiffness factor and weight in M_z are those at no camber.
+    digression
+        A_μ of the digressive friction factor of vertical shifts [1].
+    signed_trail
+        Whether qDz3 takes γ in place of |γ|.
+    equivalent_angles
+        Whether equivalent slips in M_z are angles, atan √(tan² α + ...), and the arm of F_x refers
+        to F_z0, not to λ_Fz0 F_z0.
+    squared_load
+        Whether qSx6 takes the square of the load in the arc tangent, not that of the latter.
+    resistance_of_book
+        Whether M_y is F_z (F_z/F_z0)^qSy7, in place of F_z0 (F_z/F_z0)^qSy7: an exponent of 0.85,
+        as measured ones are, fits the latter.
     """
 
     pure_tangent: bool = False
@@ -63,13 +73,31 @@ class Rules:
     sine: bool = True
     residual_cosine_twice: bool = False
     upright_moment: bool = False
+    digression: float = 10.0
+    signed_trail: bool = False
+    equivalent_angles: bool = False
+    squared_load: bool = False
+    resistance_of_book: bool = False
 
 
 RULES = {
     "standard": Rules(),
     "tangent": Rules(pure_tangent=True, moment_tangent=True),
     "angles": Rules(combined_tangent=False, sine=False),
-    "mf_tyre_library": Rules(moment_tangent=True, residual_cosine_twice=True, upright_moment=True),
+    "mf_tyre_library": Rules(
+        moment_tangent=True,
+        residual_cosine_twice=True,
+        upright_moment=True,
+        resistance_of_book=True,
+    ),
+    "mf_eval": Rules(
+        combined_tangent=False,
+        sine=False,
+        digression=1.0,
+        signed_trail=True,
+        equivalent_angles=True,
+        squared_load=True,
+    ),
 }
 """Rules by name of the convention."""
 
@@ -81,16 +109,16 @@ def forces_61(p: Coefficients, contact: TyreInput, rules: Rules) -> TyreForces:
     tan = tangent(s.angle)
     pure = Slip(tan if rules.pure_tangent else s.angle, camber)
     combined = Slip(tan if rules.combined_tangent else s.angle, camber)
-    along = longitudinal(p, s)
-    upright = lateral(p, s, pure._replace(camber=0.0))
-    across = upright if _is_zero(s.camber) else lateral(p, s, pure)
-    stiffness = (along.stiffness, across.stiffness)
-    turn = turn_factors(p, contact, s, pure, stiffness)
-    if turn is not NO_TURN:
-        along, across = longitudinal(p, s, turn), lateral(p, s, pure, turn)
-        upright = lateral(p, s, pure._replace(camber=0.0), turn)
-    fx = along.force * _along_weight(p, s, combined)
+    bends = rules.digression
+    along = longitudinal(p, s, digression=bends)
+    upright = lateral(p, s, pure._replace(camber=0.0), digression=bends)
+    across = upright if _is_zero(s.camber) else lateral(p, s, pure, digression=bends)
     share = _across_weight(p, s, combined)
+    turn = turn_factors(p, contact, s, pure, (upright, across, share))
+    if turn is not NO_TURN:
+        along = longitudinal(p, s, turn, digression=bends)
+        across = lateral(p, s, pure, turn, digression=bends)
+    fx = along.force * _along_weight(p, s, combined)
     fy = share * across.force + _induced(p, s, combined, across.friction) * turn.z2
     level = _across_weight(p, s, combined._replace(camber=0.0))
     moment = Slip(tan if rules.moment_tangent else s.angle, camber)
@@ -98,9 +126,10 @@ def forces_61(p: Coefficients, contact: TyreInput, rules: Rules) -> TyreForces:
     mz = _aligning(
         p, s, moment, (along, across, source), level * upright.force, rules=rules, turn=turn
     )
-    arm = p.SSZ1 + p.SSZ2 * fy / s.nominal + (p.SSZ3 + p.SSZ4 * s.load_change) * camber
+    nominal = p.FNOMIN if rules.equivalent_angles else s.nominal
+    arm = p.SSZ1 + p.SSZ2 * fy / nominal + (p.SSZ3 + p.SSZ4 * s.load_change) * camber
     mz += p.UNLOADED_RADIUS * p.LS * arm * fx
-    tilt, drag = other_moments(p, s, fx, fy)
+    tilt, drag = other_moments(p, s, fx, fy, rules=rules)
     return TyreForces(*(s.share * item for item in (fx, fy, mz, tilt, drag)))
 
 
@@ -108,17 +137,19 @@ def _is_zero(value: Scalar) -> bool:
     return isinstance(value, int | float) and value == 0.0
 
 
-def _digressive(scale: Scalar) -> Scalar:
+def _digressive(scale: Scalar, digression: float) -> Scalar:
     """Return λ' = A λ / (1 + (A - 1) λ), the friction factor of vertical shifts."""
-    return _DIGRESSION * scale / (1.0 + (_DIGRESSION - 1.0) * scale)
+    return digression * scale / (1.0 + (digression - 1.0) * scale)
 
 
-def longitudinal(p: Coefficients, s: State, turn: Turn = NO_TURN) -> PureCurve:
+def longitudinal(
+    p: Coefficients, s: State, turn: Turn = NO_TURN, *, digression: float = Rules.digression
+) -> PureCurve:
     """Return F_x at pure longitudinal slip, (4.E9) to (4.E18)."""
     df, dp = s.load_change, s.pressure_change
     scale = sliding_friction(p, s, p.LMUX)
     Sh = (p.PHX1 + p.PHX2 * df) * p.LHX
-    Sv = s.load * (p.PVX1 + p.PVX2 * df) * p.LVX * _digressive(scale) * turn.z1
+    Sv = s.load * (p.PVX1 + p.PVX2 * df) * p.LVX * _digressive(scale, digression) * turn.z1
     C = p.PCX1 * p.LCX
     fit = (p.PDX1 + p.PDX2 * df) * (1.0 + p.PPX3 * dp + p.PPX4 * dp * dp)
     friction = ops.maximum(fit * (1.0 - p.PDX3 * s.camber * s.camber), FRICTION_FLOOR) * scale
@@ -133,16 +164,23 @@ def longitudinal(p: Coefficients, s: State, turn: Turn = NO_TURN) -> PureCurve:
     return PureCurve(D * ops.sin(C * bent(B * x, E)) + Sv, friction, K, Sh, Sv, B * C)
 
 
-def lateral(p: Coefficients, s: State, slip: Slip, turn: Turn = NO_TURN) -> PureCurve:
+def lateral(
+    p: Coefficients,
+    s: State,
+    slip: Slip,
+    turn: Turn = NO_TURN,
+    *,
+    digression: float = Rules.digression,
+) -> PureCurve:
     """Return F_y at pure side slip, (4.E19) to (4.E30)."""
     df, dp = s.load_change, s.pressure_change
     g = slip.camber
     scale = sliding_friction(p, s, p.LMUY)
-    shift = _digressive(scale) * turn.z2
+    shift = _digressive(scale, digression) * turn.z2
     K = lateral_stiffness(p, s, g) * turn.z3
     leaning = s.load * (p.PVY3 + p.PVY4 * df) * g * p.LKYC * shift
     thrust = s.load * (p.PKY6 + p.PKY7 * df) * (1.0 + p.PPY5 * dp) * p.LKYC * g
-    Sh = (p.PHY1 + p.PHY2 * df) * p.LHY + (thrust - leaning) * turn.z0 / K + turn.z4 - 1.0
+    Sh = (p.PHY1 + p.PHY2 * df) * p.LHY + (thrust * turn.z0 - leaning) / K + turn.z4 - 1.0
     Sv = s.load * (p.PVY1 + p.PVY2 * df) * p.LVY * shift + leaning
     C = p.PCY1 * p.LCY
     fit = (p.PDY1 + p.PDY2 * df) * (1.0 + p.PPY3 * dp + p.PPY4 * dp * dp)
@@ -211,14 +249,19 @@ def _aligning(
     at = slip.angle + p.QHZ1 + p.QHZ2 * df + (p.QHZ3 + p.QHZ4 * df) * g
     ar = slip.angle + source.horizontal_shift + source.vertical_shift / source.stiffness
     ratio = along.stiffness / across.stiffness * s.slip
-    te, re = (ops.smooth_norm(angle, ratio, EQUIVALENT_SLIP_FLOOR) for angle in (at, ar))
+    te, re = (_equivalent(angle, ratio, rules) for angle in (at, ar))
     cosine = ops.cos(s.angle)
     B = (p.QBZ1 + p.QBZ2 * df + p.QBZ3 * df * df) * p.LKY / p.LMUY
     B *= 1.0 + p.QBZ4 * g + p.QBZ5 * size + p.QBZ6 * g * g
     lean = (p.QEZ4 + p.QEZ5 * g) * (2.0 / math.pi) * ops.atan(B * p.QCZ1 * at)
     E = at_most_one((p.QEZ1 + p.QEZ2 * df + p.QEZ3 * df * df) * (1.0 + lean))
     D = s.load * p.UNLOADED_RADIUS / s.nominal * (p.QDZ1 + p.QDZ2 * df)
-    D *= (1.0 - p.PPZ1 * dp) * p.LTR * (1.0 + p.QDZ3 * size + p.QDZ4 * g * g) * turn.z5
+    D *= (
+        (1.0 - p.PPZ1 * dp)
+        * p.LTR
+        * (1.0 + p.QDZ3 * (g if rules.signed_trail else size) + p.QDZ4 * g * g)
+        * turn.z5
+    )
     trail = D * weight(B, p.QCZ1, E, te)
     Br = (p.QBZ9 * p.LKY / p.LMUY + p.QBZ10 * source.steepness) * turn.z6
     Dr = (p.QDZ6 + p.QDZ7 * df) * p.LRES * turn.z2
@@ -234,13 +277,23 @@ def _aligning(
     return (residual - trail * free) * cosine
 
 
-def other_moments(p: Coefficients, s: State, fx: Scalar, fy: Scalar) -> tuple[Scalar, Scalar]:
+def _equivalent(angle: Scalar, ratio: Scalar, rules: Rules) -> Scalar:
+    """Return the equivalent slip of an angle and K_xκ κ/K_yα; curves of it are even."""
+    if not rules.equivalent_angles:
+        return ops.smooth_norm(angle, ratio, EQUIVALENT_SLIP_FLOOR)
+    return ops.atan(ops.smooth_norm(tangent(angle), ratio, EQUIVALENT_SLIP_FLOOR))
+
+
+def other_moments(
+    p: Coefficients, s: State, fx: Scalar, fy: Scalar, *, rules: Rules
+) -> tuple[Scalar, Scalar]:
     """Return overturning moment and moment of rolling resistance, ISO signs [N m], (4.E69, 70)."""
     arm, g = s.load * p.UNLOADED_RADIUS, s.camber
     load, side = s.load / p.FNOMIN, fy / p.FNOMIN
     tilt = p.QSX1 * p.LVMX - p.QSX2 * g * (1.0 + p.PPMX1 * s.pressure_change) + p.QSX3 * side
     if not ops.is_structurally_zero(p.QSX4):
-        fade = ops.cos(p.QSX5 * ops.atan(p.QSX6 * load) ** 2)
+        x = p.QSX6 * load
+        fade = ops.cos(p.QSX5 * (ops.atan(x * x) if rules.squared_load else ops.atan(x) ** 2))
         tilt += p.QSX4 * fade * ops.sin(p.QSX7 * g + p.QSX8 * ops.atan(p.QSX9 * side))
     tilt += p.QSX10 * ops.atan(p.QSX11 * load) * g
     tilt -= p.QSX12 * g * ops.absolute(g)
@@ -248,5 +301,9 @@ def other_moments(p: Coefficients, s: State, fx: Scalar, fy: Scalar) -> tuple[Sc
     ratio = ops.absolute(s.speed) / p.LONGVL
     drag = p.QSY1 + p.QSY2 * fx / p.FNOMIN + p.QSY3 * ratio + p.QSY4 * ratio**4
     drag += (p.QSY5 + p.QSY6 * load) * g * g
-    drag = drag * load**p.QSY7 * (p.INFLPRES / p.NOMPRES) ** p.QSY8
-    return (arm * tilt + extra) * p.LMX, -arm * drag * p.LMY * resistance_share(s.speed)
+    drag = drag * (p.INFLPRES / p.NOMPRES) ** p.QSY8 * p.LMY * resistance_share(s.speed)
+    if rules.resistance_of_book:
+        carried = s.load * load**p.QSY7
+    else:
+        carried = p.FNOMIN * load ** (p.QSY7 if p.QSY7 != 0.0 else 1.0)
+    return (arm * tilt + extra) * p.LMX, -p.UNLOADED_RADIUS * carried * drag

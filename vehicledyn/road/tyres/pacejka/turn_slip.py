@@ -9,17 +9,19 @@ camber acts by φ alone. Without turn slip all are one, and ζ_8 adds nothing.
 
 References
 ----------
-Pacejka (2012), Tire and Vehicle Dynamics, section 4.3.3, equations (4.75) to (4.101), recalled
-and checked by their limits; no public numbers were at hand.
+Pacejka (2012), Tire and Vehicle Dynamics, section 4.3.3, equations (4.75) to (4.106), by way of
+the public program MFeval; the book itself was not at hand, nor public numbers.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from vehicledyn.road.tyres.pacejka.coefficient_values import Coefficients
-from vehicledyn.road.tyres.pacejka.state import Slip, State
+from vehicledyn.road.tyres.pacejka.formula_52 import PureCurve
+from vehicledyn.road.tyres.pacejka.state import Slip, State, tangent
 from vehicledyn.road.tyres.tyre import TyreInput
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar
@@ -30,7 +32,11 @@ _SMALL = 1e-3
 
 @dataclass(frozen=True)
 class Turn:
-    """Factors ζ_0 to ζ_7; ``z8`` is the moment that the source adds as ζ_8 - 1 [N m]."""
+    """Factors ζ_0 to ζ_7; ``z8`` is the moment that the source adds as ζ_8 - 1 [N m].
+
+    ``z4`` is 1 + S_Hyφ, without the part - S_Vyγ/K_yα of the source, which the side force itself
+    has.
+    """
 
     z0: Scalar = 1.0
     z1: Scalar = 1.0
@@ -53,11 +59,12 @@ def turn_factors(
     contact: TyreInput,
     s: State,
     slip: Slip,
-    stiffness: tuple[Scalar, Scalar],
+    straight: tuple[PureCurve, PureCurve, Scalar],
 ) -> Turn:
     """Return the factors at a contact; none without turn slip or its coefficients.
 
-    ``stiffness`` are K_xκ and K_yα without turn slip.
+    ``straight`` are the curves of F_y without turn slip, at no camber and at this one, and the
+    weight G_yκ of longitudinal slip.
     """
     turning = contact.turn_slip
     if isinstance(turning, int | float) and turning == 0.0:
@@ -69,55 +76,62 @@ def turn_factors(
     phi = turning + (1.0 - share) * slip.camber / radius
     size = ops.smooth_norm(radius * phi, 0.0, 1e-9)
     peak_x = p.PDXP1 * (1.0 + p.PDXP2 * df) * ops.cos(ops.atan(p.PDXP3 * s.slip))
-    peak_y = p.PDYP1 * (1.0 + p.PDYP2 * df) * ops.cos(ops.atan(p.PDYP3 * slip.angle))
+    peak_y = p.PDYP1 * (1.0 + p.PDYP2 * df) * ops.cos(ops.atan(p.PDYP3 * tangent(s.angle)))
     lost = peak_y * (size + p.PDYP4 * ops.sqrt(size))
-    z2 = ops.cos(ops.atan(lost))
-    trail = ops.cos(ops.atan(p.QDTP1 * radius * phi))
     z3 = ops.cos(ops.atan(p.PKYP1 * size * size))
-    z8, z7 = _spin_moment(p, s, slip, phi=phi, size=size, stiffness=stiffness[0])
+    upright, leaning, weight = straight
+    lever = _Lever(radius * phi, ops.smooth_norm(radius * turning, 0.0, 1e-9), share)
+    z8, z7 = _spin_moment(p, s, slip, lever, (leaning.friction, weight))
     return Turn(
         z0=0.0,
         z1=ops.cos(ops.atan(peak_x * size)),
-        z2=z2,
+        z2=ops.cos(ops.atan(lost)),
         z3=z3,
-        z4=1.0 + _shift(p, s, slip, phi=radius * phi, slopes=(stiffness[1] * z3, share)),
-        z5=trail,
+        z4=1.0 + _shift(p, s, lever, upright.stiffness * z3),
+        z5=ops.cos(ops.atan(p.QDTP1 * radius * phi)),
         z6=ops.cos(ops.atan(p.QBRP1 * size)),
         z7=z7,
         z8=z8,
     )
 
 
-def _shift(
-    p: Coefficients, s: State, slip: Slip, *, phi: Scalar, slopes: tuple[Scalar, Scalar]
-) -> Scalar:
-    """Return ζ_4 - 1 = S_Hyφ - S_Vyγ/K_yα, the shift of the side force.
+class _Lever(NamedTuple):
+    """R_0 φ, R_0 |φ_t| [1] and the share ε_γ of camber in the spin."""
 
-    ``slopes`` are K_yα and the share ε_γ of camber in the spin.
-    """
-    df, (stiffness, share) = s.load_change, slopes
+    spin: Scalar
+    turn: Scalar
+    share: Scalar
+
+
+def _shift(p: Coefficients, s: State, lever: _Lever, stiffness: Scalar) -> Scalar:
+    """Return S_Hyφ, (4.80) and (4.85) to (4.89); ``stiffness`` is K_yα at no camber."""
+    df = s.load_change
     thrust = s.load * (p.PKY6 + p.PKY7 * df) * (1.0 + p.PPY5 * s.pressure_change) * p.LKYC
-    slope = thrust / (1.0 - share + _SMALL)
+    slope = thrust / ops.maximum(1.0 - lever.share, _SMALL)
     D = (p.PHYP2 + p.PHYP3 * df) * ops.sign(s.speed)
     B = slope / (p.PHYP1 * D * stiffness + _SMALL * ops.sign(stiffness))
-    x = B * phi
+    x = B * lever.spin
     bent = ops.atan(x - p.PHYP4 * (x - ops.atan(x)))
-    leaning = s.load * (p.PVY3 + p.PVY4 * df) * slip.camber * p.LKYC * p.LMUY
-    return D * ops.sin(p.PHYP1 * bent) - leaning / stiffness
+    return D * ops.sin(p.PHYP1 * bent)
 
 
 def _spin_moment(
-    p: Coefficients, s: State, slip: Slip, *, phi: Scalar, size: Scalar, stiffness: Scalar
+    p: Coefficients, s: State, slip: Slip, lever: _Lever, side: tuple[Scalar, Scalar]
 ) -> tuple[Scalar, Scalar]:
-    """Return the spin moment D_rφ and the exponent ζ_7, that brings it to its value at 90°."""
-    radius = p.UNLOADED_RADIUS
-    ratio = ops.sqrt(s.load / s.nominal)
-    standing = p.QCRP1 * p.PDY1 * radius * s.load * ratio * p.LMUY * p.LMP
-    peak = standing / math.sin(0.5 * math.pi * max(min(p.QDRP1, 1.0), 0.1))
-    slope = s.load * radius * p.QDRP1 * (p.QDZ8 + p.QDZ9 * s.load_change) * p.LKZC
-    B = slope / (p.QDRP1 * peak + _SMALL)
-    moment = peak * ops.sin(p.QDRP1 * ops.atan(B * radius * phi))
-    across = standing * (2.0 / math.pi) * ops.atan(p.QCRP2 * size)
+    """Return D_rφ and ζ_7, which brings the moment to its value at 90°, (4.93) to (4.104).
+
+    ``side`` are μ_y and the weight G_yκ of longitudinal slip.
+    """
+    friction, weight = side
+    df, radius = s.load_change, p.UNLOADED_RADIUS
+    shape = max(min(p.QDRP1, 1.0), 0.1)
+    standing = p.QCRP1 * friction * radius * s.load * ops.sqrt(s.load / s.nominal) * p.LMP
+    peak = standing / math.sin(0.5 * math.pi * shape)
+    slope = p.QDZ8 + p.QDZ9 * df + (p.QDZ10 + p.QDZ11 * df) * ops.absolute(slip.camber)
+    slope *= s.load * radius * p.LKZC
+    B = slope / (shape * peak * ops.maximum(1.0 - lever.share, _SMALL) + _SMALL)
+    moment = peak * ops.sin(shape * ops.atan(B * lever.spin))
+    across = standing * weight * (2.0 / math.pi) * ops.atan(p.QCRP2 * lever.turn)
     reached = ops.minimum(across / (ops.absolute(moment) + _SMALL * standing), 1.0)
     z7 = (2.0 / math.pi) * (0.5 * math.pi - ops.asin(reached))
     return moment, z7
