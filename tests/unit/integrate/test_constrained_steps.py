@@ -166,16 +166,16 @@ def kernel():
     return compile_kernel(pendulum(), backend="interpreted")
 
 
-def march(kernel, weights, step, count, constraints="index3", state=None):
-    """Yield the steps and the places from the first on."""
+def march(kernel, weights, step, count, constraints="index3", state=None, sizes=(1.0,)):
+    """Yield the steps and the places from the first on; each twelfth of them has another size."""
     usual, unknowns = starts(kernel.equations)
     state = usual if state is None else state
     span = {"start": 0.0, "stop": step * count, "interval": step}
     task = make_task(kernel, state=state, unknowns=unknowns, sink=Samples(), **span)
     steps = ConstrainedSteps(task, weights, constraints)
     place = steps.start(Point(0.0, task.state, task.unknowns))
-    for k in range(1, count + 1):
-        place = steps.step(place, k * step)
+    for k in range(count):
+        place = steps.step(place, place.point.time + sizes[12 * k // count % len(sizes)] * step)
         yield steps, place
 
 
@@ -190,11 +190,19 @@ def test_published_steps(kernel, row):
 
 
 @pytest.mark.parametrize("constraints", ["index3", "stabilised_index2"])
-@pytest.mark.parametrize("weights", [Weights.newmark(0.25, 0.5), Weights.generalised_alpha(0.6)])
-def test_order_two_from_a_start_in_motion_on(kernel, weights, constraints):
+@pytest.mark.parametrize(
+    ("weights", "sizes"),
+    [
+        (Weights.newmark(0.25, 0.5), (1.0,)),
+        (Weights.generalised_alpha(0.6), (1.0,)),
+        (Weights.generalised_alpha(0.6), (1.0, 0.5, 2.0, 0.25)),
+    ],
+)
+def test_order_two_from_a_start_in_motion_on(kernel, weights, sizes, constraints):
     """The largest errors of all steps; from velocities on the constraints they are of order 0 or 1.
 
-    The start has an opening speed, which is taken away.
+    The start has an opening speed, which is taken away. Where the size of steps changes, velocities
+    of index 3 must miss the constraints by another part, or multipliers miss by O(1).
     """
     stop, fastest, errors = 0.5, 3.0, []
     exact = solve_ivp(
@@ -202,7 +210,8 @@ def test_order_two_from_a_start_in_motion_on(kernel, weights, constraints):
         rtol=1e-12, atol=1e-12, method="DOP853", dense_output=True,
     ).sol  # fmt: skip
     for count in (100, 200):
-        rows = march(kernel, weights, stop / count, count, constraints, [1.0, 0.0, 0.1, -fastest])
+        state = [1.0, 0.0, 0.1, -fastest]
+        rows = march(kernel, weights, stop / count, count, constraints, state, sizes)
         row = []
         for _, place in rows:
             angle, rate = exact(place.instant.time)
@@ -371,9 +380,7 @@ def test_tolerance_controls_the_error(constraints):
         angle, rate = (end[names.index(f"upright_0.{n}")] for n in ("angle", "angle_rate"))
         error = max(abs(angle - exact[0]), abs(rate - exact[1]) / (1.0 + abs(exact[1])))
         found.append((error / tolerance ** (2.0 / 3.0), took.steps))
-    # Steps of index 3 follow the error of the positions alone, which is smaller.
-    most = 5.0 if constraints == "index3" else 2.0
-    assert all(0.05 < error < most for error, _ in found)
+    assert all(0.05 < error < 2.0 for error, _ in found)
     assert 3.0 < found[1][1] / found[0][1] < 7.0
 
 

@@ -61,6 +61,8 @@ class CompiledConstrainedSteps(CompiledLoop[ConstrainedPlace]):
         own.close_states, own.close_forces = steps.close, steps.close_forces
         own.residual = _compiled_residual(task)
         own.output = _compiled_output(task) if steps.shows_own else None
+        self._give(back=np.zeros(self._functions.sizes[0]))
+        own.back_from = np.nan
         if steps.lightness is not None:
             own.spread = _compiled_spread(task)
             pattern = self._functions.equations.spread.sparsity()
@@ -78,7 +80,7 @@ class CompiledConstrainedSteps(CompiledLoop[ConstrainedPlace]):
         rows = np.array([*e.velocities, *e.others], dtype=np.intp)
         places = rows, list(e.positions), list(e.velocities), np.arange(n)
         room = 8 * n + 6 * k + 8 * m + 2 + len(self.task.kernel.equations.states)
-        return StateLayout(*places, n if self._is_stabilised else 0, n + k, 2 * m, room)
+        return StateLayout(*places, n, n + k, 2 * m, room)
 
     def start(self, point: Point) -> ConstrainedPlace:
         """Return the place from which the motion starts, or starts anew."""
@@ -101,6 +103,7 @@ class CompiledConstrainedSteps(CompiledLoop[ConstrainedPlace]):
         """Let the run go on from a place."""
         at, arrays, m = self.record.at, self._arrays, self._functions.sizes[2]
         at.time, at.size[0] = place.point.time, place.size
+        self.record.constrained.back_from = np.nan
         arrays["at.x"][:], arrays["at.z"][:] = place.point.state, place.point.unknowns
         arrays["at.rates"][:] = np.concatenate([place.instant.acceleration, place.other_rate])
         arrays["at.auxiliary"][:] = np.concatenate(place.auxiliary)
@@ -116,7 +119,11 @@ class CompiledConstrainedSteps(CompiledLoop[ConstrainedPlace]):
         record, own = self.record, self.record.matrix[0]
         is_new = bool(own.is_stale or not own.has_jacobian)
         size = record.wanted - record.at.time
-        self._hand_over(self._steps.factors_for(self.place, size, is_new=is_new))
+        place = self.place
+        if self._steps.is_resized(place, size):
+            self._arrays["back"][:] = self._steps.way_back(place)
+            record.constrained.back_from = place.point.time
+        self._hand_over(self._steps.factors_for(place, size, is_new=is_new))
         own.is_stale, own.size = 0, size
         if is_new:
             own.has_jacobian = FRESH_JACOBIAN

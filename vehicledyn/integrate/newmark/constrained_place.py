@@ -42,6 +42,20 @@ class ConstrainedPlace:
         return np.concatenate([[self.size], *parts, self.change])
 
 
+@dataclass(frozen=True)
+class KnownOfStep:
+    """What the unknowns of a step change: the state at its start, carried by known terms."""
+
+    time: float
+    size: float
+    position: Vector
+    velocity: Vector
+    acceleration: Vector
+    other: Vector
+    lag: Vector
+    old: tuple[Vector, Vector]
+
+
 def resumed_place(
     functions: ResidualFunctions, point: Point, numbers: Vector, *, is_stabilised: bool
 ) -> ConstrainedPlace:

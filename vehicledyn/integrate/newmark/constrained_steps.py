@@ -17,7 +17,8 @@ Numerical Integration, section XI.3). With the Jacobian of one end alone it drif
 Where a motion starts at v, the steps begin with v₀ = v + Δt² C b, C = 1/6 - (αm - αf)/2 - β, and
 a₀ = v̇ + Δt (αm - αf) b, b being the third derivative of q that the constraints demand: steps of
 index 3 keep such velocities, and others swing about them. So velocities and multipliers are of
-order two from the first step on. Stabilised steps begin with v.
+order two from the first step on. Stabilised steps begin with v. Where the size of steps changes,
+a - v̇ changes as the size, and the part of v₀ that misses the constraints as its square.
 
 Arnold, Brüls (2007), Multibody System Dynamics 18, 185-202; Bottasso, Bauchau, Cardona (2007),
 SIAM Journal on Scientific Computing 29, 397-414 (scaling); Arnold, Brüls, Cardona (2015),
@@ -26,8 +27,6 @@ Numerische Mathematik 129, 149-179 (starts, stabilised index 2).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from vehicledyn.base.errors import NumericalError
@@ -35,6 +34,7 @@ from vehicledyn.integrate.course import Carried
 from vehicledyn.integrate.events import Point
 from vehicledyn.integrate.newmark.constrained_place import (
     ConstrainedPlace,
+    KnownOfStep,
     resumed_place,
     slope_of_lift,
 )
@@ -71,22 +71,10 @@ _SLOW = 0.3
 _ROUNDING = 1e-8
 """Change that is taken for rounding where it no longer falls; with a Jacobian of an earlier step it
 may fall slowly above the rounding of gaps, so it is found anew."""
+_SAME = 1e-9
+"""Part of a step by which steps of one size may differ."""
 _COARSE = 1e-3
 """Rounding of multipliers, as a part of the largest; it grows by 1 / (β Δt²) and at dead points."""
-
-
-@dataclass(frozen=True)
-class _Known:
-    """What the unknowns of a step change: the state at its start, carried by known terms."""
-
-    time: float
-    size: float
-    position: Vector
-    velocity: Vector
-    acceleration: Vector
-    other: Vector
-    lag: Vector
-    old: tuple[Vector, Vector]
 
 
 class ConstrainedSteps:
@@ -121,6 +109,7 @@ class ConstrainedSteps:
         self._matrix = IterationMatrix(self._functions.sizes, self._lightness)
         self._factors: StepFactors | None = None
         self._is_stale = True
+        self._back: tuple[ConstrainedPlace, Vector] | None = None
 
     @property
     def lightness(self) -> Vector | None:
@@ -247,14 +236,14 @@ class ConstrainedSteps:
             before = size
         return None
 
-    def _allowed(self, known: _Known, a: Vector, at: Instant) -> float:
+    def _allowed(self, known: KnownOfStep, a: Vector, at: Instant) -> float:
         """Return the error that may be left where no multipliers need their digits."""
         missed = self._weights.error_of_positions(known.size, a - known.old[0])
         largest = np.abs(missed / (1.0 + np.abs(at.position))).max(initial=0.0)
         return float(min(max(self._weights.share * largest, _CLOSE), _COARSEST))
 
     def _accepted(
-        self, known: _Known, found: Unknowns, mean: Sparse | None, place: ConstrainedPlace
+        self, known: KnownOfStep, found: Unknowns, mean: Sparse | None, place: ConstrainedPlace
     ) -> ConstrainedPlace:
         a, r, _, eta = found
         instant = self._instant(known, found, mean)
@@ -268,7 +257,7 @@ class ConstrainedSteps:
         change = a - known.old[0]
         return ConstrainedPlace(point, instant, (a, r), rate, eta, known.size, change)
 
-    def _known(self, place: ConstrainedPlace, end: float) -> _Known:
+    def _known(self, place: ConstrainedPlace, end: float) -> KnownOfStep:
         """Return what is known of a step: all that its unknowns do not change."""
         w, at = self._weights, place.instant
         h = end - at.time
@@ -277,8 +266,10 @@ class ConstrainedSteps:
         if place.bend is not None:
             a = a + h * w.shift * place.bend
             v = v if self.is_stabilised else v + w.error_of_positions(h, place.bend)
+        elif self.is_resized(place, h):
+            v = v + (1.0 - (h / place.size) ** 2) * self.way_back(place)
         mass = w.first_order_mass
-        return _Known(
+        return KnownOfStep(
             end,
             h,
             at.position + h * (v + h * (0.5 - w.beta) * a),
@@ -289,8 +280,26 @@ class ConstrainedSteps:
             (a, r),
         )
 
+    def is_resized(self, place: ConstrainedPlace, h: float) -> bool:
+        """Return whether a step of size h [s] begins with other velocities than the last has left.
+
+        Velocities of index 3 miss the constraints by a part that grows with the square of the size.
+        """
+        if self.is_stabilised or not place.size or not self._functions.sizes[2]:
+            return False
+        return abs(h - place.size) > _SAME * place.size
+
+    def way_back(self, place: ConstrainedPlace) -> Vector:
+        """Return what puts the velocities of a place onto the constraints."""
+        if self._back is None or self._back[0] is not place:
+            at, parameters = place.instant, self._parameters
+            opening = self._evaluated(at).opening
+            partials, nothing = self._functions.partials(at, parameters), np.zeros_like(at.velocity)
+            self._back = place, self._matrix.accelerations(partials, nothing, opening)[0]
+        return self._back[1]
+
     @staticmethod
-    def _guessed(place: ConstrainedPlace, known: _Known) -> Vector:
+    def _guessed(place: ConstrainedPlace, known: KnownOfStep) -> Vector:
         """Return a at the end of a step if it changes as it did in the step before."""
         if place.change is None:
             return known.old[0]
@@ -308,19 +317,18 @@ class ConstrainedSteps:
     def error(self, before: ConstrainedPlace, after: ConstrainedPlace) -> float:
         """Return the largest local error of a step about, for one plus the size of each state.
 
-        Further states are not looked at, and velocities in stabilised index 2 only: those of index
-        3 miss the constraints by a part that each change of the step alters.
+        Further states are not looked at.
         """
         if after.change is None:
             return 0.0
         w, h, at = self._weights, after.size, after.instant
-        pairs = [(w.error_of_positions(h, after.change), at.position)]
-        if self.is_stabilised:
-            bend = w.error_of_rates(h, after.change, before.size, before.change)
-            pairs.append((bend, at.velocity))
+        bend = w.error_of_rates(h, after.change, before.size, before.change)
+        pairs = [(w.error_of_positions(h, after.change), at.position), (bend, at.velocity)]
         return float(max(np.abs(e / (1.0 + np.abs(x))).max(initial=0.0) for e, x in pairs))
 
-    def _instant(self, known: _Known, unknowns: Unknowns, mean: Sparse | None = None) -> Instant:
+    def _instant(
+        self, known: KnownOfStep, unknowns: Unknowns, mean: Sparse | None = None
+    ) -> Instant:
         w, h = self._weights, known.size
         a, r, multiplier, eta = unknowns
         position = known.position + h**2 * w.beta * a - h * self._pushed(mean, eta)
@@ -333,7 +341,7 @@ class ConstrainedSteps:
             known.other + h * w.first_order_gamma * r,
         )
 
-    def _right(self, known: _Known, at: Residuals, r: Vector) -> Vector:
+    def _right(self, known: KnownOfStep, at: Residuals, r: Vector) -> Vector:
         """Return the scaled residuals of a step."""
         w, h = self._weights, known.size
         lag = w.first_order_mass * r + known.lag - (1.0 - w.alpha_f) * at.other_rate
@@ -343,7 +351,7 @@ class ConstrainedSteps:
         return np.concatenate(parts)
 
     def _sizes_of(
-        self, known: _Known, instant: Instant, change: Unknowns, mean: Sparse | None
+        self, known: KnownOfStep, instant: Instant, change: Unknowns, mean: Sparse | None
     ) -> tuple[float, float]:
         """Return the sizes of a change: of the states, and of the multipliers."""
         w, h = self._weights, known.size

@@ -5,7 +5,7 @@
 enum { MOST_CONSTRAINED = 12 };
 
 static const double CLOSE_STATES = 1e-14, LEVER = 1e-2, SLOW_CONSTRAINED = 0.3;
-static const double ROUNDING_STATES = 1e-8, COARSE = 1e-3;
+static const double SAME = 1e-9, ROUNDING_STATES = 1e-8, COARSE = 1e-3;
 
 /* Solve with the factors; b holds the right side, then what is found. */
 static void solve_sparse(const struct constrained *c, long long size, double *b, double *y) {
@@ -86,6 +86,13 @@ static void begin_arms(struct run *m, double *point) {
   memcpy(c->arms + count, c->arms, count * sizeof(double));
 }
 
+/* Whether a step begins with other velocities than the last, of another size, ended with. */
+static int is_resized(const struct run *m, double h) {
+  const double size = m->at.size[0];
+  const int may_be = !m->constrained.is_stabilised && m->constrained.n_multipliers;
+  return may_be && size != 0.0 && fabs(h - size) > SAME * size;
+}
+
 /* Begin from the place m->at; a is guessed to change as it did in the step before. */
 static void begin_trial(struct run *m, double end, struct trial *s, double *old) {
   const struct constrained *c = &m->constrained;
@@ -99,6 +106,7 @@ static void begin_trial(struct run *m, double end, struct trial *s, double *old)
     const double rate = at->rates[i];
     old[i] = is_carried ? rate + ratio * (at->auxiliary[i] - rate) : at->auxiliary[i];
   }
+  const double missed = is_resized(m, h) ? 1.0 - ratio * ratio : 0.0;
   for (long long i = 0; i < n; i++) {
     const double q = at->x[m->positions[i]];
     double v = at->x[m->velocities[i]];
@@ -106,6 +114,7 @@ static void begin_trial(struct run *m, double end, struct trial *s, double *old)
       old[i] += h * shift * at->change[i];
       if (!c->is_stabilised) v += h * h * (1.0 / 6.0 - 0.5 * shift - m->beta) * at->change[i];
     }
+    if (missed != 0.0) v += missed * c->back[i];
     s->position[i] = q + h * (v + h * (0.5 - m->beta) * old[i]);
     s->velocity[i] = v + h * (1.0 - m->second_order_gamma) * old[i];
     s->acceleration[i] = (m->alpha_m * old[i] - m->alpha_f * at->rates[i]) / (1.0 - m->alpha_f);
@@ -254,9 +263,10 @@ static int iterate_constrained(struct run *m, double end, int is_fresh) {
 /* Take a step from m->at to m->found; Python finds Jacobian and factors for steps to m->wanted. */
 static int constrained_step(struct run *m, double end) {
   const double h = end - m->at.time;
-  const int fits = m->matrix->size != 0.0 && fabs(h - m->matrix->size) <= 1e-9 * m->matrix->size;
+  const int fits = m->matrix->size != 0.0 && fabs(h - m->matrix->size) <= SAME * m->matrix->size;
+  const int lacks_back = is_resized(m, h) && m->constrained.back_from != m->at.time;
   m->wanted = end;
-  if (m->matrix->is_stale || !m->matrix->has_jacobian || !fits) return NEEDS_JACOBIAN;
+  if (m->matrix->is_stale || !m->matrix->has_jacobian || !fits || lacks_back) return NEEDS_JACOBIAN;
   const int is_new = m->matrix->has_jacobian == FRESH;
   m->matrix->has_jacobian = KEPT;
   if (iterate_constrained(m, end, is_new) == TAKEN) return TAKEN;

@@ -60,13 +60,13 @@ class ConstrainedRecord(ctypes.Structure):
 
     _fields_ = [
         *((name, _P) for name in ("residual", "output", "spread", "given")),
-        *((name, _P) for name in ("l_values", "u_values", "lightness", "arms")),
+        *((name, _P) for name in ("l_values", "u_values", "lightness", "back", "arms")),
         *((name, _P) for name in ("l_starts", "l_rows", "u_starts", "u_rows")),
         *((name, _P) for name in ("row_place", "column_place", "arm_starts", "arm_columns")),
         *((name, _L) for name in ("n_multipliers", "n_others", "is_stabilised")),
         *((name, _D) for name in ("lead", "scale", "lever")),
         *((name, _D) for name in ("first_order_mass", "first_order_gamma")),
-        *((name, _D) for name in ("close_states", "close_forces")),
+        *((name, _D) for name in ("close_states", "close_forces", "back_from")),
     ]
 
 

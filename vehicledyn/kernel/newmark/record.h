@@ -38,15 +38,17 @@ struct place {
 /* What steps with multipliers need besides; the residual is null for others, and so is the output
    where the channels are those of the rates. The spread is the Jacobian of the constraints column by
    column, of which ``arms`` has those of the begin of a step and of the latest iteration;
-   ``lightness`` is what multiplies each column. */
+   ``lightness`` is what multiplies each column. ``back`` puts the velocities of the place at the time
+   ``back_from`` onto the constraints, where a step of another size begins. */
 struct constrained {
   vd_points residual, output, spread;
-  const double *given, *l_values, *u_values, *lightness;
+  const double *given, *l_values, *u_values, *lightness, *back;
   double *arms;
   const int *l_starts, *l_rows, *u_starts, *u_rows, *row_place, *column_place;
   const int *arm_starts, *arm_columns;
   long long n_multipliers, n_others, is_stabilised;
   double lead, scale, lever, first_order_mass, first_order_gamma, close_states, close_forces;
+  double back_from;
 };
 
 /* Rows of the entries of a triangular factor by columns, and the same as runs of rows in turn. */
