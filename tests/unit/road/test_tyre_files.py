@@ -94,6 +94,9 @@ def test_pressures_without_a_unit_are_force_over_length_squared(
         ({}, {"FNOMIN": 4}, "FNOMIN: is 4 N by the file's units, on a radius of 0.3 m"),
         ({"FORCE": "kN"}, {}, "FNOMIN: is 4e+06 N by the file's units"),
         ({"TIME": "ms"}, {}, "LONGVL: is 1.66e+04 m/s"),
+        ({}, {"ALPMIN": -15, "ALPMAX": 15}, "ALPMAX: is 15 rad by the file's units"),
+        ({"ANGLE": "deg"}, {"ALPMIN": -1.5, "ALPMAX": 1.5}, "check [UNITS] ANGLE"),
+        ({}, {"LMUY": 0}, "LMUY: must be above zero: 0"),
     ],
 )  # fmt: skip
 def test_sizes_that_no_tyre_has_are_refused_with_the_unit_to_check(write, units, change, words):

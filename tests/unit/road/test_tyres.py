@@ -434,6 +434,8 @@ def test_scaling_friction_and_pressure():
     without = find("tyre", "file")(file="passenger_235_60R16_pac2002.tir", pressure="2 bar")
     with pytest.raises(InputError, match=r"pressure: the file has none \(NOMPRES in"):
         vector(without, 4e3, 0.0, 0.02, 0.0)
+    with pytest.raises(ValueError, match="LMUX"):
+        find("tyre", "file")(**base, scaling={"LMUX": 0.0})
     with pytest.raises(Exception, match="LMUZ"):
         find("tyre", "file")(**base, scaling={"LMUZ": 1.0})
 

@@ -184,11 +184,10 @@ def _read(data: Path) -> tuple[Array, dict[str, Array]]:
 
 
 def _chosen(names: Sequence[str], measured: list[str]) -> list[str]:
-    known = coefficients()
+    able = [n for n, c in coefficients().items() if c.section.endswith("_COEFFICIENTS")]
+    able = [n for n in able if not coefficients()[n].section.startswith("SCALING")]
     for name in names:
-        fits = name in known and known[name].section.endswith("_COEFFICIENTS")
-        if not fits or known[name].section.startswith("SCALING"):
-            able = [n for n, c in known.items() if c.section.endswith("_COEFFICIENTS")]
+        if name not in able:
             raise InputError(
                 f"{argument('coefficients')}: {unknown_name('coefficient', name, able)}"
             )

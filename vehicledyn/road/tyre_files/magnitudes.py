@@ -25,6 +25,8 @@ _PRESSURE = _Size(
 _SIZES = {
     "UNLOADED_RADIUS": _Size(0.01, 5.0, "m", "LENGTH"),
     "LONGVL": _Size(0.1, 300.0, "m/s", "LENGTH and TIME"),
+    "ALPMAX": _Size(0.03, 7.0, "rad", "ANGLE"),
+    "CAMMAX": _Size(0.0, 7.0, "rad", "ANGLE"),
     **dict.fromkeys(("INFLPRES", "NOMPRES", "IP", "IP_NOM"), _PRESSURE),
 }
 """From the tyres of model cars to those of aircraft and of dumpers in mines."""

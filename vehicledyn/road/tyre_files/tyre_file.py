@@ -23,7 +23,7 @@ _FORMATS = {"PAC2002": "pac2002", "MF_05": "pac2002"}
 _SIDES = ("LEFT", "RIGHT", "SYMMETRIC", "UNKNOWN")
 _POSITIVE = (
     *("FNOMIN", "UNLOADED_RADIUS", "LONGVL", "NOMPRES", "INFLPRES", "IP", "IP_NOM", "LFZO"),
-    *("PCX1", "PDX1", "PKX1", "PCY1"),
+    *("PCX1", "PDX1", "PKX1", "PCY1", "LCX", "LCY", "LMUX", "LMUY", "LKY"),
 )
 _NOT_ZERO = ("PKY1", "PKY2", "PDY1")
 TURNED = ("PDY1", "PDY2", "RVY1", "RVY2", "RVY3", "QBZ10")

@@ -8,17 +8,21 @@ from vehicledyn.base.parameters import ParameterSet, quantity
 class ScalingFactors(ParameterSet):
     """Factors by their names in tyre property files; those left out are the file's."""
 
-    LFZO: float | None = quantity("1", "Scale factor of nominal (rated) load", default=None)
-    LCX: float | None = quantity("1", "Scale factor of Fx shape factor", default=None)
-    LMUX: float | None = quantity("1", "Scale factor of Fx peak friction coefficient", default=None)
+    LFZO: float | None = quantity("1", "Scale factor of nominal (rated) load", default=None, gt=0)
+    LCX: float | None = quantity("1", "Scale factor of Fx shape factor", default=None, gt=0)
+    LMUX: float | None = quantity(
+        "1", "Scale factor of Fx peak friction coefficient", default=None, gt=0
+    )
     LEX: float | None = quantity("1", "Scale factor of Fx curvature factor", default=None)
     LKX: float | None = quantity("1", "Scale factor of Fx slip stiffness", default=None)
     LHX: float | None = quantity("1", "Scale factor of Fx horizontal shift", default=None)
     LVX: float | None = quantity("1", "Scale factor of Fx vertical shift", default=None)
-    LCY: float | None = quantity("1", "Scale factor of Fy shape factor", default=None)
-    LMUY: float | None = quantity("1", "Scale factor of Fy peak friction coefficient", default=None)
+    LCY: float | None = quantity("1", "Scale factor of Fy shape factor", default=None, gt=0)
+    LMUY: float | None = quantity(
+        "1", "Scale factor of Fy peak friction coefficient", default=None, gt=0
+    )
     LEY: float | None = quantity("1", "Scale factor of Fy curvature factor", default=None)
-    LKY: float | None = quantity("1", "Scale factor of Fy cornering stiffness", default=None)
+    LKY: float | None = quantity("1", "Scale factor of Fy cornering stiffness", default=None, gt=0)
     LHY: float | None = quantity("1", "Scale factor of Fy horizontal shift", default=None)
     LVY: float | None = quantity("1", "Scale factor of Fy vertical shift", default=None)
     LTR: float | None = quantity("1", "Scale factor of peak of pneumatic trail", default=None)

@@ -135,5 +135,15 @@ def _angle_lines(axes: Axes, table: TyreTable) -> None:
             k = int(np.argmin(np.abs(rows["slip_angle"] * _DEGREES - angle)))
             points.append((rows["lateral_force"][k] / 1e3, rows["aligning_moment"][k]))
         x, y = zip(*points, strict=True)
-        axes.plot(x, y, color="0.6", lw=0.8)
-        axes.annotate(f"{angle:g}°", points[-1], fontsize=7.0, color="0.35")
+        axes.plot(x, y, ".-", color="0.6", lw=0.8, ms=4.0)
+        outward = -1.0 if points[-1][0] < 0.0 else 1.0
+        axes.annotate(
+            f"{angle:g}°",
+            points[-1],
+            (6.0 * outward, 0.0),
+            textcoords="offset points",
+            ha="right" if outward < 0.0 else "left",
+            va="center",
+            fontsize=7.0,
+            color="0.35",
+        )
