@@ -47,7 +47,8 @@ def sensitivity(
         ``kinematics(ratio.wheel.z.wheel.toe_angle, wheel.z, 276 mm:356 mm:4)``; or of inverse
         dynamics, such as ``inverse(crank.angle_force)``, ``inverse(max(crank.angle_force))`` and
         ``inverse(crank.angle.work)``; or of an axle on the suspension rig, such as
-        ``rig(left.toe_gain, parallel)`` and ``rig(left.camber, roll, -2 deg:2 deg:4)``.
+        ``rig(left.toe_gain, parallel)`` and ``rig(left.camber, roll, -2 deg:2 deg:4)``;
+        or of steady cornering, such as ``steady(understeer_gradient, constant_radius)``.
     to
         Parameters, by patterns such as ``parameters.front.*``, and start values of states, such
         as ``start.chassis.y``.

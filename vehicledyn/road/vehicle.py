@@ -94,6 +94,16 @@ class RoadVehicle:
         number = ops.numeric([symbols], ops.column([expression]))
         return float(number([entry.value for entry in entries]).ravel()[0])
 
+    def worth_slopes(self, expression: Scalar) -> dict[str, float]:
+        """Return the derivatives of what an expression is worth by the parameters in it."""
+        from vehicledyn.symbolic import ops
+
+        entries = self.system.table.entries
+        symbols = ops.column([entry.symbol for entry in entries])
+        slopes = ops.numeric([symbols], ops.jacobian(ops.column([expression]), symbols))
+        found = slopes([entry.value for entry in entries]).ravel()
+        return {e.name: float(d) for e, d in zip(entries, found, strict=True) if d}
+
     @property
     def articulation(self) -> str | None:
         """The yaw coordinate of the first body behind the chassis on wheels of its own, if any.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from vehicledyn.analyses.handling.slow_turn import effective_wheelbase
 from vehicledyn.analyses.handling.steady_turn import SteadyTurn
-from vehicledyn.analyses.handling.tested_car import CarPoint
-from vehicledyn.analyses.handling.turn_equations import Turn
+from vehicledyn.analyses.handling.tested_car import CarPoint, TestedCar
+from vehicledyn.analyses.handling.turn_equations import Turn, TurnOf
 from vehicledyn.analyses.handling.turn_paths import followed
 
 Vector = NDArray[np.float64]
@@ -68,9 +68,17 @@ class SteadyCurve:
         A line fits the curve at equal distances of lateral acceleration: the methods have their
         points at different places, and the curve bends.
         """
-        lateral = self.values["lateral_acceleration"]
-        at = np.linspace(max(first, lateral[0]), min(last, lateral[-1]), _LINE_POINTS)
-        return float(np.polyfit(at, np.interp(at, lateral, self.values[name]), 1)[0])
+        return line_slope(self.values["lateral_acceleration"], self.values[name], first, last)
+
+
+def at_speed(speed: float) -> TurnOf:
+    """Return the demand of lateral accelerations at a speed [m/s]."""
+    return lambda lateral: Turn(speed, "lateral_acceleration", lateral)
+
+
+def on_circle(radius: float) -> TurnOf:
+    """Return the demand of lateral accelerations on a circle to the left [m]."""
+    return lambda lateral: Turn(float(np.sqrt(lateral * radius)), "curvature", 1.0 / radius)
 
 
 def constant_speed(
@@ -85,21 +93,13 @@ def constant_speed(
     NumericalError
         If the car does not run straight.
     """
-
-    def turn(lateral: float) -> Turn:
-        return Turn(speed, "lateral_acceleration", lateral)
-
-    start = solver.straight(speed)
+    start, turn = solver.straight(speed), at_speed(speed)
     return _followed(solver, "constant speed", turn, start, first=first, last=last)
 
 
 def constant_radius(solver: SteadyTurn, radius: float, *, last: float = np.inf) -> SteadyCurve:
     """Return the turns on a circle to the left [m], the speed growing from a walk to the limit."""
-
-    def turn(lateral: float) -> Turn:
-        return Turn(float(np.sqrt(lateral * radius)), "curvature", 1.0 / radius)
-
-    first = max(_SLOWEST**2 / radius, 0.1)
+    first, turn = max(_SLOWEST**2 / radius, 0.1), on_circle(radius)
     start = solver.straight(float(np.sqrt(first * radius)))
     return _followed(solver, "constant radius", turn, start, first=first, last=last)
 
@@ -158,19 +158,42 @@ def curve_of(solver: SteadyTurn, method: str, points: list[CarPoint]) -> SteadyC
 
 def describe(solver: SteadyTurn, point: CarPoint) -> dict[str, float]:
     """Return the quantities of a steady turn but the understeer angle."""
-    car = solver.car
-    outputs, chassis = car.outputs(point), car.vehicle.chassis
-    speed = float(np.hypot(outputs["body.forward_speed"], outputs["body.lateral_speed"]))
-    rate = outputs["body.yaw_rate"]
+    found = described(solver.car, solver.car.outputs(point))
+    return {name: float(value.real) for name, value in found.items()}
+
+
+def channels_described(car: TestedCar) -> list[str]:
+    """Return the channels that the quantities of a steady turn are drawn from."""
+    body = (f"body.{name}" for name in ("forward_speed", "lateral_speed", "yaw_rate"))
+    loads = (f"{corner.name}.tyre.normal_force" for corner in car.vehicle.corners)
+    others = "body.sideslip_angle", f"{car.vehicle.chassis}.roll", "drive.torque"
+    return [*body, "steering_angle.angle", *others, *loads]
+
+
+def described(car: TestedCar, outputs: Mapping[str, complex]) -> dict[str, complex]:
+    """Return the quantities of a steady turn but the understeer angle, analytic in its channels."""
+    ahead, aside, rate = (
+        outputs[f"body.{name}"] for name in ("forward_speed", "lateral_speed", "yaw_rate")
+    )
+    speed = complex(np.sqrt(ahead * ahead + aside * aside))
     loads = [outputs[f"{corner.name}.tyre.normal_force"] for corner in car.vehicle.corners]
     return {
         "lateral_acceleration": speed * rate,
         "speed": speed,
         "steering_angle": outputs["steering_angle.angle"],
         "sideslip_angle": outputs["body.sideslip_angle"],
-        "roll_angle": outputs[f"{chassis}.roll"],
+        "roll_angle": outputs[f"{car.vehicle.chassis}.roll"],
         "yaw_rate": rate,
         "curvature": rate / speed,
         "drive_torque": outputs["drive.torque"],
-        "smallest_wheel_load": min(loads),
+        "smallest_wheel_load": min(loads, key=lambda load: load.real),
     }
+
+
+def line_slope(lateral: Vector, values: Vector, first: float, last: float) -> float:
+    """Return the slope of a line that fits a curve between two lateral accelerations [m/s²].
+
+    It is linear in ``values``, one for each of ``lateral``.
+    """
+    at = np.linspace(max(first, lateral[0]), min(last, lateral[-1]), _LINE_POINTS)
+    return float(np.polyfit(at, np.interp(at, lateral, values), 1)[0])

@@ -48,11 +48,12 @@ Below, a differential with friction sticks, which makes another car of it.
 """
 
 _SIDESLIPS = np.radians(np.linspace(-8.0, 8.0, 9))
-_GRADIENTS = (
+GRADIENTS = (
     ("understeer_angle", "understeer_gradient", "Understeer gradient at the front wheels"),
     ("sideslip_angle", "sideslip_gradient", "Side-slip gradient"),
     ("roll_angle", "roll_gradient", "Roll gradient"),
 )
+"""Gradients of a curve: quantity, name, meaning."""
 
 
 @dataclass(frozen=True)
@@ -167,7 +168,7 @@ def _circle_figures(test: str, curve: SteadyCurve) -> Iterator[KeyFigure]:
     lateral = curve.values["lateral_acceleration"]
     if test != "constant_radius":
         yield from _radii(test, curve)
-    for name, title, text in _GRADIENTS:
+    for name, title, text in GRADIENTS:
         if len(lateral) and lateral[0] <= GRADIENT_FROM < GRADIENT_UP_TO <= lateral[-1]:
             slope = curve.gradient(name, GRADIENT_UP_TO, first=GRADIENT_FROM)
             words = f"{text}, of a line from {GRADIENT_FROM:g} to {GRADIENT_UP_TO:g} m/s^2"

@@ -74,6 +74,12 @@ def _rig() -> Loaded:
     return find_rig_sensitivity, ()
 
 
+def _steady() -> Loaded:
+    from vehicledyn.analyses.sensitivity import steady_figures
+
+    return steady_figures.find_steady_sensitivity, steady_figures.KINDS
+
+
 def _run() -> Loaded:
     from vehicledyn.analyses.sensitivity import motion, motion_study
 
@@ -94,6 +100,7 @@ ANALYSES = {
     "kinematics": Analysis(_called("kinematics"), _kinematic),
     "inverse": Analysis(_called("inverse"), _inverse, of_scenario=True),
     "rig": Analysis(_called("rig"), _rig),
+    "steady": Analysis(_called("steady"), _steady),
     RUN: Analysis(lambda _: True, _run, of_scenario=True),
 }
 """Analyses by name; a figure belongs to the first that owns its name."""

@@ -9,12 +9,11 @@ from vehicledyn.base.errors import InputError
 
 _CALL = re.compile(r"(\w+)\(.*\)")
 
-_SEARCHED = "its results are found by searches and simulations of their own"
 _GEOMETRY = "it computes geometry of files, which stand in no equations"
 _STUDY = "a study is no function of one set of parameters"
 REASONS = {
-    "steady": f"{_SEARCHED}; ask for figures of a run of manoeuvre constant_radius",
-    "handling": f"{_SEARCHED}; ask for figures of the run of one test",
+    "handling": "its tests are simulated one by one; ask for steady(...) of steady cornering, and "
+    "for figures of the run of one test",
     "hunt": "its cycles have names of their own, cycle_amplitude(CHANNEL) and the like, critical "
     "speeds critical_speed and nonlinear_critical_speed",
     "modes": "ask for eigenvalues, mode_shapes and critical_speed",

@@ -30,7 +30,8 @@ def sensitivity(
             "'eigenvalues', 'mode_shapes', 'critical_speed', 'nonlinear_critical_speed', "
             "'cycle_amplitude(CHANNEL)', 'cycle_period', 'equilibrium.COORDINATE', "
             "'gain(OUTPUT, INPUT, 1.5 Hz)', 'phase(...)', 'kinematics(CHANNEL, DRIVE, VALUES)', "
-            "'inverse(CHANNEL)', 'rig(QUANTITY, TEST, VALUES)'; "
+            "'inverse(CHANNEL)', 'rig(QUANTITY, TEST, VALUES)', "
+            "'steady(QUANTITY, METHOD, VALUES)'; "
             "may be repeated.",
         ),
     ],

@@ -1,0 +1,63 @@
+"""Derivatives of steady cornering by parameters of a car."""
+
+import pytest
+
+import vehicledyn as vd
+from vehicledyn.base.errors import InputError, NumericalError
+
+GRAVITY = 9.81
+LOAD, FRONT, REAR = 2500.0, 30e3, 42e3
+LINEAR = f"""\
+title: A small car on linear tyres
+model: small_car
+tyres:
+  front: {{kind: linear, nominal_load: {LOAD} N, longitudinal_stiffness: 60 kN,
+    cornering_stiffness: {FRONT} N/rad, friction: 1}}
+  rear: {{kind: linear, nominal_load: {LOAD} N, longitudinal_stiffness: 60 kN,
+    cornering_stiffness: {REAR} N/rad, friction: 1}}
+wheel_spin: free
+road: {{kind: flat}}
+speed: 25 m/s
+duration: 1 s
+solver: {{kind: rk4, step: 1 ms}}
+output: {{interval: 10 ms}}
+manoeuvre: {{kind: straight}}
+"""
+
+
+@pytest.mark.long
+def test_a_car_on_linear_tyres_follows_the_single_track_model(tmp_path):
+    """K = F0/g (1/C_front - 1/C_rear): each axle's slip by its own stiffness, at small angles."""
+    of = "steady(understeer_angle, constant_speed, 0.1 m/s^2, speed=25 m/s)"
+    (tmp_path / "linear.yaml").write_text(LINEAR)
+    found = vd.sensitivity(tmp_path / "linear.yaml", of, "tyres.*.cornering_stiffness")
+    slopes = dict(zip(found["parameter"].values, found["figure_slope"].values[0], strict=True))
+    for end, sign, stiffness in (("front", -1.0, FRONT), ("rear", 1.0, REAR)):
+        exact = 0.1 * sign * LOAD / GRAVITY / stiffness**2
+        assert slopes[f"tyres.{end}.cornering_stiffness"] == pytest.approx(exact, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("of", "to", "match"),
+    [
+        ("steady(understeer_gradient)", "*", "write steady"),
+        ("steady(understeer_gradiant, constant_radius)", "*", "did you mean 'understeer_gradient'"),
+        ("steady(steering_angle, constant_radios, 1 m/s^2)", "*", "did you mean 'constant_radius'"),
+        ("steady(understeer_gradient, constant_speed, 1 m/s^2)", "*", "give no values"),
+        ("steady(steering_angle, constant_speed)", "*", "needs lateral accelerations"),
+        ("steady(steering_angle, constant_speed, 1 m)", "*", "m/s"),
+        ("steady(steering_angle, constant_speed, -1 m/s^2)", "*", "above zero"),
+        ("steady(steering_angle, constant_speed, 1 m/s^2, radius=9 m)", "*", "Known: speed"),
+        ("steady(steering_angle, constant_speed, 1 m/s^2)", "start.body.x", "no start values"),
+    ],
+)
+def test_names_are_checked(of, to, match):
+    with pytest.raises(InputError, match=match):
+        vd.sensitivity("small_car", of, to)
+
+
+@pytest.mark.long
+def test_turns_beyond_the_limit_have_no_derivative():
+    of = "steady(steering_angle, constant_speed, 30 m/s^2, speed=20 m/s)"
+    with pytest.raises(NumericalError, match=r"the turns end at [0-9.]+ m/s\^2.*before 30"):
+        vd.sensitivity("small_car", of)
