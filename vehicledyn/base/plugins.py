@@ -19,9 +19,9 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from vehicledyn.base.errors import InputError, VehicledynError
+from vehicledyn.base.errors import InputError, VehicledynError, unknown_name
 from vehicledyn.base.files.limits import read_regular
-from vehicledyn.base.registry import all_or_nothing
+from vehicledyn.base.registry import all_or_nothing, families
 
 GROUP = "vehicledyn.plugins"
 """Entry points of this group name modules to load, whenever catalogues are."""
@@ -63,7 +63,9 @@ def _loaded_once(path: str | Path, place: Path) -> list[tuple[str, str]]:
         raise InputError(f"{path}: cannot be loaded as a Python file")
     module = importlib.util.module_from_spec(specification)
     with _failures_told(str(path), place), all_or_nothing() as found, _importable(name, module):
+        known = families()
         specification.loader.exec_module(module)
+        _refuse_families(known)
     _loaded[place] = found
     return found
 
@@ -83,12 +85,22 @@ def load_installed() -> None:
     for entry in entry_points(group=GROUP):
         package = entry.dist.name if entry.dist is not None else "an unknown package"
         with _failures_told(f"plugin '{entry.name}' of {package}", None), all_or_nothing():
+            known = families()
             _load(entry)
+            _refuse_families(known)
 
 
 def loaded_plugins() -> tuple[str, ...]:
     """Return the files that were loaded as plugins, for other processes to load as well."""
     return tuple(map(str, _loaded))
+
+
+def plugin_line(error: BaseException) -> str:
+    """Return the innermost line of a loaded plugin that an error went through, empty if none."""
+    names = set(loaded_plugins())
+    frames = traceback.extract_tb(error.__traceback__)
+    own = [frame for frame in frames if frame.filename in names]
+    return f"{own[-1].filename}:{own[-1].lineno}" if own else ""
 
 
 def plugin_digest(path: str) -> str:
@@ -112,6 +124,13 @@ def _load(entry: Any) -> None:
     found = entry.load()
     if callable(found) and not isinstance(found, type):
         found()
+
+
+def _refuse_families(known: tuple[str, ...]) -> None:
+    """Refuse what was registered in a catalogue that did not exist."""
+    new = [family for family in families() if family not in known]
+    if known and new:
+        raise InputError(unknown_name("catalogue", new[0], known))
 
 
 @contextmanager

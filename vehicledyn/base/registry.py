@@ -32,7 +32,8 @@ T = TypeVar("T")
 def register(family: str, name: str) -> Callable[[type[T]], type[T]]:
     """Return a class decorator that enters the class in a catalogue.
 
-    The class gets two class attributes, ``family`` and ``kind``, with these names.
+    The class gets two class attributes, ``family`` and ``kind``, with these names. One that lacks
+    methods of its family raises ValueError.
     """
 
     def enter(entry: type[T]) -> type[T]:
@@ -40,6 +41,9 @@ def register(family: str, name: str) -> Callable[[type[T]], type[T]]:
         holder = _holder(catalogue.get(name))
         if holder not in ("", entry.__module__) or _is_another(catalogue.get(name), entry):
             raise ValueError(f"{family} '{name}' is registered twice; {_place(holder)} has it")
+        missing = sorted(getattr(entry, "__abstractmethods__", ()))
+        if missing:
+            raise ValueError(f"{family} '{name}' lacks {', '.join(missing)}, which its class needs")
         return _entered(family, name, entry)
 
     return enter
@@ -77,6 +81,8 @@ def all_or_nothing() -> Iterator[list[tuple[str, str]]]:
     except BaseException:
         for family, name in _foreign_entries() - before:
             del _catalogues[family][name]
+            if not _catalogues[family]:
+                del _catalogues[family]
         raise
     found += sorted(_foreign_entries() - before)
 

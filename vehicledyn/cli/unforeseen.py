@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+from vehicledyn.base.plugins import loaded_plugins, plugin_line
 from vehicledyn.cli.exit_codes import BUG, INPUT, NUMERICAL
 
 _NO_NUMBERS = re.compile(r"\b(nans?|infs?|infinity|math domain|(non-?|in)?finite)\b", re.IGNORECASE)
@@ -19,6 +20,9 @@ def told(error: Exception) -> tuple[str, int]:
     small or contradictory, unless these are usual ones.
     """
     words = " ".join(f"{type(error).__name__}: {error}".split())
+    own = plugin_line(error)
+    if own:
+        return f"{own}: the plugin failed: {words}", INPUT
     if isinstance(error, RecursionError):
         return f"what is given is nested too deeply ({words})", INPUT
     if isinstance(error, UnicodeError):
@@ -31,7 +35,8 @@ def told(error: Exception) -> tuple[str, int]:
         )
         return text, NUMERICAL
     hint = f"{_WHERE[0].upper()}{_WHERE[1:]}, and please report it."
-    return f"this is a bug of vehicledyn: {words}. {hint}", BUG
+    plugins = " or of a plugin" if loaded_plugins() else ""
+    return f"this is a bug of vehicledyn{plugins}: {words}. {hint}", BUG
 
 
 def _is_numerical(error: Exception) -> bool:

@@ -6,6 +6,7 @@ from vehicledyn.library.names import (
     entries,
     find_entry,
     library_folder,
+    library_hint,
     locate,
     names_of,
 )
@@ -16,6 +17,7 @@ __all__ = [
     "entries",
     "find_entry",
     "library_folder",
+    "library_hint",
     "locate",
     "names_of",
 ]

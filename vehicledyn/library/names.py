@@ -121,8 +121,15 @@ def locate(name: str, kinds: Sequence[Kind], others: Sequence[str] = ()) -> Path
 
 def _missing(path: Path, kinds: Sequence[Kind]) -> Path:
     """Return a path at which nothing is, unless the library has a file of that name."""
-    entry = find_entry(path.stem, kinds)
-    if entry is not None and path.name == entry.path.name:
-        hint = f"the library has one of this name: write '{entry.name}'"
-        raise InputError(f"{path}: there is no such file; {hint}")
+    words = library_hint(path, kinds)
+    if words:
+        raise InputError(f"{path}: {words}")
     return path
+
+
+def library_hint(path: Path, kinds: Sequence[Kind]) -> str:
+    """Return that a file is missing of which the library has one, empty if it has none."""
+    entry = find_entry(path.stem, kinds)
+    if entry is None or path.name != entry.path.name:
+        return ""
+    return f"there is no such file; the library has one of this name: write '{entry.name}'"

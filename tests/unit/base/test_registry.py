@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from vehicledyn.base import registry
+from vehicledyn.base import plugins, registry
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.plugins import load_plugin
 
@@ -114,6 +114,7 @@ def test_threads_that_import_at_once_get_one_class(belfry):
 
 def test_threads_that_load_a_plugin_at_once_run_it_once(tmp_path, monkeypatch):
     monkeypatch.setattr(registry, "_catalogues", {})
+    monkeypatch.setattr(plugins, "_loaded", {})
     path = tmp_path / "gong.py"
     count = f"from pathlib import Path\nwith Path({str(tmp_path / 'runs')!r}).open('a') as file:\n"
     path.write_text(f"{count}    file.write('once')\n" + PLAIN.format(name="gong"))

@@ -10,6 +10,8 @@ import pytest
 import vehicledyn as vd
 import vehicledyn.catalogue
 from vehicledyn.base import plugins, registry
+from vehicledyn.cli.exit_codes import INPUT
+from vehicledyn.cli.unforeseen import told
 
 pytestmark = pytest.mark.long
 
@@ -91,6 +93,16 @@ def test_a_law_is_known_once_its_file_is_loaded(tmp_path):
         ("import no_such_module\n", "", r"my_tyre\.py:1: .*ModuleNotFoundError: No module named"),
         ("import sys\nsys.exit(3)\n", "", r"my_tyre\.py:2: .*SystemExit"),
         (SPRING + SPRING, "own_of_test", "registered twice"),
+        (
+            SPRING.replace('"tyre"', '"tyer"'),
+            "own_of_test",
+            r"my_tyre\.py: no catalogue named 'tyer'; did you mean 'tyre'",
+        ),
+        (
+            SPRING.replace("def forces", "def force"),
+            "own_of_test",
+            r"my_tyre\.py:8: .*tyre 'own_of_test' lacks forces",
+        ),
     ],
 )
 def test_a_plugin_that_fails_is_one_message_and_registers_nothing(tmp_path, text, name, words):
@@ -111,6 +123,23 @@ def test_a_name_that_another_plugin_has_names_its_file(tmp_path):
     vd.load_plugin(first)
     with pytest.raises(vd.InputError, match=rf"second\.py:8: .*twice; {re.escape(str(first))} has"):
         vd.load_plugin(second)
+
+
+def test_a_law_that_fails_later_is_no_bug_of_the_program(tmp_path):
+    """The message names its line; where none is at fault, it says that a plugin was loaded."""
+    begin = "        return TyreForces"
+    text = SPRING.replace(begin, "        1 // 0\n" + begin)
+    error = written(tmp_path, text, "own_error_of_test")
+    vd.load_plugin(error)
+    law = registry.find("tyre", "own_error_of_test").model_construct()
+    with pytest.raises(ZeroDivisionError) as failed:
+        law.forces(None)
+    line = text.splitlines().index("        1 // 0") + 1
+    assert told(failed.value) == (
+        f"{error}:{line}: the plugin failed: ZeroDivisionError: {failed.value}",
+        INPUT,
+    )
+    assert told(TypeError("x"))[0].startswith("this is a bug of vehicledyn or of a plugin: TypeE")
 
 
 def test_what_is_no_python_file_is_refused(tmp_path):

@@ -16,7 +16,7 @@ from vehicledyn.files.expressions.parameters import RESERVED, Parameters, is_lon
 from vehicledyn.files.system import changes
 from vehicledyn.files.system.assemblies.renaming import Renaming
 from vehicledyn.files.system.sets import Sections, SystemFile
-from vehicledyn.library import find_entry, names_of
+from vehicledyn.library import find_entry, library_hint, names_of
 
 MOST_NESTED = 25
 """Assemblies inside each other, at most."""
@@ -114,7 +114,8 @@ class Library:
         except InputError as error:
             lines = [line for line in str(error).splitlines() if not is_count(line)]
             self.known[key] = None
-            return None, "; ".join(lines), []
+            missing = "" if path.exists() else library_hint(path, ("system",))
+            return None, missing or "; ".join(lines), []
         self.known[key] = part
         return part, "", problems
 
