@@ -29,4 +29,4 @@ def counts() -> dict[str, int]:
     return {family: len(kinds(family)) for family in families()}
 
 
-load_installed()  # last, since plugins may use all that is above
+load_installed(counts)  # last, since plugins may use all that is above

@@ -13,7 +13,7 @@ import sys
 import threading
 import traceback
 import zlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from types import ModuleType
@@ -21,7 +21,7 @@ from typing import Any
 
 from vehicledyn.base.errors import InputError, VehicledynError, unknown_name
 from vehicledyn.base.files.limits import read_regular
-from vehicledyn.base.registry import all_or_nothing, families
+from vehicledyn.base.registry import all_or_nothing, families, own_families
 
 GROUP = "vehicledyn.plugins"
 """Entry points of this group name modules to load, whenever catalogues are."""
@@ -35,10 +35,13 @@ _loading = threading.RLock()
 """Held while a file is run, so that threads that ask for it run it once."""
 
 
-def load_plugin(path: str | Path) -> list[tuple[str, str]]:
+def load_plugin(
+    path: str | Path, complete: Callable[[], object] | None = None
+) -> list[tuple[str, str]]:
     """Run a Python file that registers laws or parts; return family and name of each.
 
     A file that was loaded before is not run again. A file that fails registers nothing.
+    ``complete`` enters all of this package's catalogues; without it no catalogue is unknown.
 
     Raises
     ------
@@ -47,10 +50,12 @@ def load_plugin(path: str | Path) -> list[tuple[str, str]]:
         names file and line.
     """
     with _loading:
-        return _loaded_once(path, Path(path).resolve())
+        return _loaded_once(path, Path(path).resolve(), complete)
 
 
-def _loaded_once(path: str | Path, place: Path) -> list[tuple[str, str]]:
+def _loaded_once(
+    path: str | Path, place: Path, complete: Callable[[], object] | None
+) -> list[tuple[str, str]]:
     if place in _loaded:
         return _loaded[place]
     if Path(path).suffix == ".py":
@@ -63,15 +68,14 @@ def _loaded_once(path: str | Path, place: Path) -> list[tuple[str, str]]:
         raise InputError(f"{path}: cannot be loaded as a Python file")
     module = importlib.util.module_from_spec(specification)
     with _failures_told(str(path), place), all_or_nothing() as found, _importable(name, module):
-        known = families()
         specification.loader.exec_module(module)
-        _refuse_families(known)
+        _refuse_families(complete)
     _loaded[place] = found
     return found
 
 
-def load_installed() -> None:
-    """Load the plugins of all installed packages.
+def load_installed(complete: Callable[[], object]) -> None:
+    """Load the plugins of all installed packages; ``complete`` is as for :func:`load_plugin`.
 
     Raises
     ------
@@ -85,9 +89,8 @@ def load_installed() -> None:
     for entry in entry_points(group=GROUP):
         package = entry.dist.name if entry.dist is not None else "an unknown package"
         with _failures_told(f"plugin '{entry.name}' of {package}", None), all_or_nothing():
-            known = families()
             _load(entry)
-            _refuse_families(known)
+            _refuse_families(complete)
 
 
 def loaded_plugins() -> tuple[str, ...]:
@@ -126,11 +129,14 @@ def _load(entry: Any) -> None:
         found()
 
 
-def _refuse_families(known: tuple[str, ...]) -> None:
-    """Refuse what was registered in a catalogue that did not exist."""
-    new = [family for family in families() if family not in known]
-    if known and new:
-        raise InputError(unknown_name("catalogue", new[0], known))
+def _refuse_families(complete: Callable[[], object] | None) -> None:
+    """Refuse what was registered in a catalogue that this package does not have."""
+    if complete is None or not own_families():
+        return
+    complete()  # a plugin may be the first to enter something in a catalogue
+    for family in own_families():
+        known = [name for name in families() if name not in own_families()]
+        raise InputError(unknown_name("catalogue", family, known))
 
 
 @contextmanager

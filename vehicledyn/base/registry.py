@@ -84,7 +84,8 @@ def all_or_nothing() -> Iterator[list[tuple[str, str]]]:
             if not _catalogues[family]:
                 del _catalogues[family]
         raise
-    found += sorted(_foreign_entries() - before)
+    new = sorted(_foreign_entries() - before)
+    found += [(family, name) for family, name in new if _is_registered(family, name)]
 
 
 def _foreign_entries() -> set[tuple[str, str]]:
@@ -95,6 +96,17 @@ def _foreign_entries() -> set[tuple[str, str]]:
         for name, entry in list(catalogue.items())
         if _holder(entry).partition(".")[0] != PACKAGE
     }
+
+
+def own_families() -> tuple[str, ...]:
+    """Return the catalogues of which no entry is this package's, sorted."""
+    foreign = {entry for entry in _foreign_entries() if _is_registered(*entry)}
+    return tuple(f for f in families() if all((f, name) in foreign for name in _catalogues[f]))
+
+
+def _is_registered(family: str, name: str) -> bool:
+    """Return whether an entry was registered, not announced."""
+    return isinstance(_catalogues[family][name], type | str)
 
 
 def announce(family: str, name: str, make: Callable[[], type[Any]]) -> None:

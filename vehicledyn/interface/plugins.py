@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import vehicledyn.catalogue  # noqa: F401
+import vehicledyn.catalogue
 from vehicledyn.base import plugins
 from vehicledyn.base.checked_arguments import checked
 
@@ -25,4 +25,4 @@ def load_plugin(path: str | Path) -> list[tuple[str, str]]:
     InputError
         If there is no such file, it fails, or it registers a name that is taken.
     """
-    return plugins.load_plugin(path)
+    return plugins.load_plugin(path, vehicledyn.catalogue.counts)

@@ -343,7 +343,7 @@ BAD = {
         "bad.yaml:10:15: mirror[0].assemblies.left.file: the file would be an assembly of itself: "
         "bad.yaml -> bad.yaml",
     ),
-    "library": (
+    "file of the library": (
         "file: arm.yaml",
         "file: quarter_car.yaml",
         "bad.yaml:10:15: mirror[0].assemblies.left.file: there is no such file; the library has "
