@@ -54,7 +54,7 @@ class Kinks:
         shown = casadi.SX(e.output[list(self.channels)])
         whole = inlined(casadi.vertcat(e.rate[m.kept], e.residual, shown))
         moving = casadi.vertcat(e.state[m.kept], e.algebraic)
-        found = [item for item in _deciders(whole) if casadi.depends_on(item, moving)]
+        found = [item for item in deciders(whole) if casadi.depends_on(item, moving)]
         self.count = len(found)
         self._deciding = _Column(m, casadi.vertcat(*found) if found else casadi.SX(0, 1))
         self._shown = _Column(m, shown)
@@ -190,7 +190,7 @@ def misalignment(mesh: Vector, kinks: Vector) -> float:
     return float(np.abs(kinks[:, None] - mesh[None, :]).min(axis=1).max())
 
 
-def _deciders(whole: Any) -> list[Any]:
+def deciders(whole: Any) -> list[Any]:
     """Return the arguments of the operations in an expression that are not smooth."""
     import casadi
 

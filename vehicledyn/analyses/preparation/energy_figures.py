@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.base.numbers.spline import MARGIN, spline_integral
+from vehicledyn.base.numbers.jumps import jumping_integral
+from vehicledyn.base.numbers.spline import MARGIN
 from vehicledyn.integrate.estimated_accuracy import ENERGY
 from vehicledyn.integrate.judged_quantities import EnergyBalance
 from vehicledyn.road.manoeuvres.channel_recorder import BLOCK, Recording, Rows
@@ -38,7 +39,7 @@ def ranges(recording: Recording, names: Sequence[str]) -> tuple[dict[str, float]
     return low, high
 
 
-def energy_error(recording: Recording) -> Iterator[SummaryEntry]:
+def energy_error(recording: Recording, jumps: Sequence[float] = ()) -> Iterator[SummaryEntry]:
     """Yield the largest difference between the energy gained and the work of all forces.
 
     Implicit steps of order two let it swing with the motion by a part that the square of the step
@@ -46,7 +47,7 @@ def energy_error(recording: Recording) -> Iterator[SummaryEntry]:
     """
     from vehicledyn.results.store.layout import SummaryEntry
 
-    found = energy_balance(recording)
+    found = energy_balance(recording, jumps)
     if found is None:
         return
     yield SummaryEntry(
@@ -95,12 +96,13 @@ def _rough_work(times: Floats, power: Floats) -> tuple[Floats, Floats]:
     return work, lines
 
 
-def energy_balance(recording: Recording) -> EnergyBalance | None:
+def energy_balance(recording: Recording, jumps: Sequence[float] = ()) -> EnergyBalance | None:
     """Return the balance of the energy, None where it is not recorded.
 
     Exchanged is the largest range of kinetic energy, energy of gravity and work of the forces, no
     less than a tenth of the kinetic energy: a motion without forces exchanges nothing. Both are
-    infinite where the samples of a run that diverged are too large to compute them.
+    infinite where the samples of a run that diverged are too large to compute them. ``jumps`` are
+    when forces may jump [s].
     """
     if recording.count < 2 or not {*ENERGIES, POWER} <= set(recording.channels):
         return None
@@ -108,18 +110,18 @@ def energy_balance(recording: Recording) -> EnergyBalance | None:
     if not ends[1] > ends[0]:
         return None
     with np.errstate(over="ignore", invalid="ignore"):
-        found = _balance(recording)
+        found = _balance(recording, jumps)
     error, exchanged = (x if np.isfinite(x) else np.inf for x in found)
     return EnergyBalance(error, exchanged)
 
 
-def _balance(recording: Recording) -> tuple[float, float]:
+def _balance(recording: Recording, jumps: Sequence[float]) -> tuple[float, float]:
     start, error, done = _Start(recording.rows(ENERGIES, 0, 1)), 0.0, [0.0, 0.0]
     for first in range(0, recording.count, BLOCK):
         last = min(first + BLOCK, recording.count)
         begin, end = max(0, first - MARGIN), min(recording.count, last + MARGIN)
         rows = recording.rows((*ENERGIES, POWER), begin, end)
-        work = _work(rows)
+        work = _work(rows, jumps)
         inside = slice(first - begin, last - begin)
         work += start.work - work[inside.start]
         gained = _energy(rows)[inside] - start.energy
@@ -144,9 +146,10 @@ def _energy(rows: Rows) -> Floats:
     return rows.channels[ENERGIES[0]] + rows.channels[ENERGIES[1]]
 
 
-def _work(rows: Rows) -> Floats:
+def _work(rows: Rows, jumps: Sequence[float]) -> Floats:
     """Return the work of the forces since the first of some samples, shape (n,) [J]."""
     kept, first = np.unique(rows.time, return_index=True)
     if len(kept) < 2:
         return np.zeros(len(rows.time))
-    return np.interp(rows.time, kept, spline_integral(kept, rows.channels[POWER][first]))
+    power, energy = rows.channels[POWER][first], _energy(rows)[first]
+    return np.interp(rows.time, kept, jumping_integral(kept, power, jumps, energy))

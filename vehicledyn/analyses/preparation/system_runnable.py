@@ -16,6 +16,7 @@ from vehicledyn.analyses.preparation.energy_figures import (
 from vehicledyn.analyses.preparation.ports import Ports
 from vehicledyn.analyses.preparation.runnable import Vector, start_values
 from vehicledyn.analyses.preparation.seat_figures import seat_channels, seat_figures
+from vehicledyn.analyses.preparation.time_jumps import time_jumps
 from vehicledyn.multibody.model.bodies import Joint
 from vehicledyn.multibody.model.ground import GROUND
 from vehicledyn.multibody.model.parts import Part
@@ -232,7 +233,9 @@ class SystemSubject:
                 entries.append(SummaryEntry(key, highs[name], unit, text))
         if any(getattr(part, "changes_motion", False) for part in self.system.parts):
             return entries  # Impacts take energy that no force is seen to take.
-        return [*entries, *energy_error(recording)]
+        ends = [recording.rows((), k, k + 1).time[0] for k in (0, recording.count - 1)]
+        jumps = time_jumps(self.system, *map(float, ends))
+        return [*entries, *energy_error(recording, jumps)]
 
     def _coordinates(self, known: set[str]) -> list[str]:
         names = [j.name for j in self.system.joints()]

@@ -8,6 +8,7 @@ import numpy as np
 
 from vehicledyn.analyses.preparation.energy_figures import energy_balance, rough_balance
 from vehicledyn.analyses.preparation.runnable import Subject, Vector
+from vehicledyn.analyses.preparation.time_jumps import time_jumps
 from vehicledyn.integrate.channel_ranges import watched_channels
 from vehicledyn.integrate.estimated_accuracy import ENERGY
 from vehicledyn.integrate.judged_quantities import EnergyBalance, Judged
@@ -38,7 +39,10 @@ def judged_by(subject: Subject, equations: Equations, *, by_itself: bool = True)
         return Recording(times, columns, {name: units[name] for name in names})
 
     def balance(times: Vector, values: Vector, *, rough: bool = False) -> EnergyBalance | None:
-        return (rough_balance if rough else energy_balance)(recorded(times, values))
+        recording = recorded(times, values)
+        if rough:
+            return rough_balance(recording)
+        return energy_balance(recording, time_jumps(subject.system, times[0], times[-1]))
 
     def figures(times: Vector, values: Vector) -> dict[str, tuple[float, str]]:
         recording = recorded(times, values)
