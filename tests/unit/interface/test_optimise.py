@@ -273,3 +273,48 @@ def test_the_best_of_discrete_choices_is_found(tmp_path):
     assert found["variable_best"].values == pytest.approx([2.0], abs=1e-5)
     assert "best choice: parameters.well = 2" in found.notes
     assert sum("objective" in note for note in found.notes) == 3
+
+
+RIG = """\
+title: No bump steer
+scenarios: run.yaml
+variables:
+  track_rod.inner.z: {from: 200 mm, to: 340 mm}
+  upper.front.z: {from: 420 mm, to: 540 mm}
+least_squares:
+  "rig(wheel.toe_gain, parallel)": {target: 0 rad/m, size: 1 deg/m}
+  "rig(wheel.camber_gain, parallel, 20 mm)": {target: -0.2 rad/m, size: 1 deg/m}
+"""
+
+
+@pytest.mark.long
+def test_hardpoints_follow_targets_on_the_rig(tmp_path):
+    """Figures of other analyses than the run are those of the rig at the point found."""
+    path = study(tmp_path, RIG)
+    (tmp_path / "run.yaml").write_text(
+        SCENARIO.replace("quarter_car", "double_wishbone_suspension"), encoding="utf-8"
+    )
+    found = vd.optimise(path)
+    assert found["figure_best"].values == pytest.approx([0.0, -0.2], abs=1e-6)
+    names = found["variable"].values
+    best = dict(zip(names, (f"{float(v)!r} m" for v in found["variable_best"].values), strict=True))
+    rig = vd.rig("double_wishbone_suspension", "parallel", "0 mm:20 mm:1", set=best)
+    assert rig["wheel.toe_gain"].values[0] == pytest.approx(0.0, abs=1e-6)
+    assert rig["wheel.camber_gain"].values[1] == pytest.approx(-0.2, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("figure", "match"),
+    [
+        ("rig(wheel.*, parallel)", "stands for several figures"),
+        ("rig(wheel.toe_gian, parallel)", r"did you mean 'wheel\.toe_gain'"),
+        ("steady(yaw_rate, constant_speed, 1 m/s^2)", "is no road vehicle"),
+    ],
+)
+def test_figures_of_analyses_are_checked(tmp_path, figure, match):
+    path = study(tmp_path, RIG.replace("rig(wheel.toe_gain, parallel)", figure))
+    (tmp_path / "run.yaml").write_text(
+        SCENARIO.replace("quarter_car", "double_wishbone_suspension"), encoding="utf-8"
+    )
+    with pytest.raises(InputError, match=match):
+        vd.optimise(path)

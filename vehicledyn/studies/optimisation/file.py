@@ -13,6 +13,7 @@ from typing import Any
 from vehicledyn.analyse.optimise import METHODS
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.analyses.sensitivity.figure_names import check_figures
+from vehicledyn.analyses.sensitivity.known_analyses import RUN, analysis_of
 from vehicledyn.base.errors import InputError, NumericalError, nearest_name
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.studies.study_form import StudyForm
@@ -124,16 +125,17 @@ class OptimisationStudy:
         """
         found: dict[str, list[str]] = {name: [] for name in self.scenarios}
         for figure in self.all_figures:
-            scenario, _, name = figure.rpartition("/")
+            head, call, rest = figure.partition("(")
+            scenario, _, name = head.rpartition("/")
             if scenario not in found:
                 guess = nearest_name(scenario, found)
                 hint = f"; did you mean '{guess}'?" if guess else ""
                 raise InputError(f"{self.path}: '{figure}' names no scenario{hint}")
-            found[scenario].append(name)
+            found[scenario].append(f"{name}{call}{rest}")
         return found
 
     def check_figures(self, progress: Progress) -> None:
-        """Refuse figures that no run has; a run that fails is left to the study to report.
+        """Refuse figures of runs that no run has; a run that fails is left to the study to report.
 
         Raises
         ------
@@ -142,8 +144,10 @@ class OptimisationStudy:
         """
         for scenario, names in self.figures_by_scenario().items():
             try:
-                with suppress(NumericalError):
-                    check_figures(self.scenarios[scenario], names, progress)
+                own = [name for name in names if analysis_of(name) == RUN]
+                if own:
+                    with suppress(NumericalError):
+                        check_figures(self.scenarios[scenario], own, progress)
             except InputError as error:
                 raise InputError(f"{self.path}: {error}") from None
 

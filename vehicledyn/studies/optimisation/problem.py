@@ -14,28 +14,14 @@ from numpy.typing import NDArray
 
 from vehicledyn.analyse.optimise import Values
 from vehicledyn.analyses.preparation.prepared import Progress
-from vehicledyn.analyses.sensitivity.confirmation import unconfirmed
-from vehicledyn.analyses.sensitivity.figure_names import check_figures
-from vehicledyn.analyses.sensitivity.mishaps import mishap
-from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
-from vehicledyn.analyses.sensitivity.names import Wanted, directions, wanted
 from vehicledyn.base.errors import InputError, NumericalError, nearest_name
 from vehicledyn.base.step_memory import Memory
 from vehicledyn.base.units import to_si
-from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.studies.optimisation.file import Limit, OptimisationStudy, Variable
+from vehicledyn.studies.optimisation.parts import parts_of
 from vehicledyn.studies.optimisation.scatter import Scatter, combined
 
 Floats = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class _Part:
-    """A scenario with the figures wanted of it, and their places among all figures."""
-
-    study: MotionStudy
-    asked: Wanted
-    names: list[str]
 
 
 @dataclass(frozen=True)
@@ -83,28 +69,19 @@ class Problem:
     ) -> None:
         self._study, self._kept = study, kept
         self._mark = [choice] if choice else []
-        self._parts = _parts(study, progress)
+        self._parts = parts_of(study, progress)
         self.figures = [name for part in self._parts for name in part.names]
-        first = self._parts[0].study.prepared
-        e = first.equations
-        names = [p.name for p in e.parameters]
         for part in self._parts:
-            own = part.study.prepared.equations
             for name in (*(v.name for v in study.variables), *study.scatter):
-                _check_variable(
-                    name.removeprefix("parameters."), [p.name for p in own.parameters], own.name
-                )
-        units = {p.name: p.unit for p in e.parameters}
+                _check_variable(name.removeprefix("parameters."), list(part.parameters), part.model)
+        first = self._parts[0].parameters
+        units = {name: quantity.unit for name, (quantity, _) in first.items()}
         try:
-            self._scatter = Scatter.of(study.scatter, units, e.name)
+            self._scatter = Scatter.of(study.scatter, units, self._parts[0].model)
         except InputError as error:
             raise InputError(f"{study.path}: {error}") from None
-        places = [names.index(v.name) for v in study.variables]
-        self.variables = tuple(
-            Quantity(e.parameters[k].name, e.parameters[k].unit, e.parameters[k].description)
-            for k in places
-        )
-        values = first.kernel.parameters[places]
+        self.variables = tuple(first[v.name][0] for v in study.variables)
+        values = [first[v.name][1] for v in study.variables]
         self.low, self.high, self.start = np.array(
             [
                 self._bounds(item, about.unit, float(value))
@@ -251,19 +228,8 @@ class Problem:
 
     def unconfirmed(self) -> list[str]:
         """Return warnings of derivatives at the start that differences of runs do not confirm."""
-        names, notes = [item.name for item in self.variables], []
-        for part in self._parts:
-            point = dict(zip(names, map(float, self.start), strict=True))
-            study = part.study.moved(point)
-            e, kernel = study.prepared.equations, study.prepared.kernel
-            chosen = directions(e, kernel.parameters, study.start.state, names)
-            motion = study.followed(chosen, _silent)
-            own = {e.channels[k].name: place for place, k in enumerate(study.channels)}
-            judged = (
-                range(len(own)) if part.asked.others else [own[c] for _, c in part.asked.figures]
-            )
-            notes += unconfirmed(study, chosen, motion, list(dict.fromkeys(judged)))
-        return notes
+        point = {v.name: float(x) for v, x in zip(self.variables, self.start, strict=True)}
+        return [note for part in self._parts for note in part.unconfirmed(point)]
 
     def starts(self, number: int, seed: int) -> list[Floats]:
         """Return points to search from: the one given, and others of a scrambled Sobol sequence."""
@@ -282,11 +248,15 @@ class Problem:
         own = dict(zip([item.name for item in self.variables], map(float, point), strict=True))
         nodes = [self._scatter.moved(node, own) for node in self._scatter.nodes]
         wanted_runs = [(part, node) for node in nodes for part in self._parts]
+        names = [item.name for item in self.variables]
         if len(wanted_runs) == 1:
-            found = [self._run(*wanted_runs[0], follows=follows)]
+            part, node = wanted_runs[0]
+            found = [part.at(node, names, follows=follows)]
         else:
             with ThreadPoolExecutor(os.cpu_count()) as pool:
-                found = list(pool.map(lambda run: self._run(*run, follows=follows), wanted_runs))
+                found = list(
+                    pool.map(lambda run: run[0].at(run[1], names, follows=follows), wanted_runs)
+                )
         units: dict[str, str] = {}
         runs: list[tuple[dict[str, float], dict[str, list[float]]]] = [({}, {}) for _ in nodes]
         for place, entry in enumerate(found):
@@ -297,49 +267,6 @@ class Problem:
             slopes |= entry["slopes"]
             units |= entry["units"]
         return combined(self._scatter, runs) | {"units": units}
-
-    def _run(self, part: _Part, changes: dict[str, float], *, follows: bool) -> dict[str, Any]:
-        """Return figures and gradients of one scenario, or why there are none."""
-        names = [item.name for item in self.variables]
-        try:
-            study = part.study.moved(changes)
-            e, kernel = study.prepared.equations, study.prepared.kernel
-            if follows:
-                chosen = directions(e, kernel.parameters, study.start.state, names)
-                motion = study.followed(chosen, _silent)
-            else:
-                motion = study.plain(_silent)
-        except NumericalError as error:
-            return {"failure": f"{part.study.loaded.title}: {error}"}
-        if lost := mishap(study, motion):
-            return {"failure": f"{part.study.loaded.title}: {lost}"}
-        found = list(zip(part.names, study.figures(part.asked, motion), strict=True))
-        for name, (slope, _) in found:
-            if slope.trouble and follows:
-                return {"failure": f"'{name}' has no derivative: {slope.trouble}"}
-        nothing = [0.0] * len(names)
-        return {
-            "values": {n: slope.value for n, (slope, _) in found},
-            "slopes": {n: slope.slope.tolist() if follows else nothing for n, (slope, _) in found},
-            "units": {n: quantity.unit for n, (_, quantity) in found},
-        }
-
-
-def _parts(study: OptimisationStudy, progress: Progress) -> list[_Part]:
-    parts = []
-    for scenario, names in study.figures_by_scenario().items():
-        loaded = study.scenarios[scenario]
-        channels = [name.partition("(")[2].removesuffix(")") for name in names if "(" in name]
-        progress(f"preparing {loaded.title}", None)
-        try:
-            check_figures(loaded, names, progress)
-        except InputError as error:
-            raise InputError(f"{study.path}: {error}") from None
-        motion = MotionStudy.of(loaded, channels, progress)
-        asked = wanted(motion.prepared.equations, names, [n for n in names if "(" not in n])
-        own = [*asked.others, *(f"{kind}({channel})" for kind, channel in asked.figures)]
-        parts.append(_Part(motion, asked, [f"{scenario}/{n}" if scenario else n for n in own]))
-    return parts
 
 
 def _check_variable(name: str, known: Sequence[str], model: str) -> None:
@@ -356,7 +283,3 @@ def _si(value: Any, unit: str, study: OptimisationStudy, field: str) -> float:
         return float(to_si(value, unit))
     except InputError as error:
         raise InputError(f"{study.path}: {field}: {error}") from None
-
-
-def _silent(text: str, fraction: float | None = None) -> None:
-    """Report nothing."""
