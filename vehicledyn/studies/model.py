@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from vehicledyn.analyses.hunting.parameter_starts import starting_at
+from vehicledyn.analyses.hunting.parameter_starts import starting_at, starts_of
 from vehicledyn.analyses.preparation.build_model import build_subject, manoeuvre_of
 from vehicledyn.analyses.preparation.doubts.bent_beams import WatchedBeams
 from vehicledyn.analyses.preparation.prepare import Point, Vector, prepare, start_point
@@ -34,6 +34,7 @@ from vehicledyn.integrate.task import Statistics
 from vehicledyn.kernel.kernel import Kernel
 from vehicledyn.kernel.make_kernel import Backend
 from vehicledyn.kernel.rate_monitor import RateWatch
+from vehicledyn.multibody.loops.assembled_start import DrawnStarts
 from vehicledyn.road.manoeuvres.channel_recorder import Recording
 from vehicledyn.studies import indexed_random as scatter
 from vehicledyn.studies.axes import Axis
@@ -118,12 +119,31 @@ class Model:
                 self.shortcut.parameters(loaded.resolved),
                 self.prepared.equations,
             )
+        equations = self._drawn(equations, subject, parameters)
         kernel = replace(self.prepared.kernel, equations=equations).with_parameters(parameters)
         own = replace(self.prepared, subject=subject, equations=equations, kernel=kernel)
         scenario = loaded.scenario
         start = start_of(own, scenario.speed or 0.0, scenario.start, self.reference)
         refuse_sunk_wheels(own, start)
         return Case(own.kernel.parameters, start, subject)
+
+    def _drawn(self, equations: Equations, subject: Subject, parameters: Vector) -> Equations:
+        """Return equations that start where the loops of a case are assembled to."""
+        if self._drawn_starts is None:
+            return equations
+        known = {p.name: v for p, v in zip(equations.parameters, parameters, strict=True)}
+        values = np.array([known[entry.name] for entry in subject.system.table.entries])
+        starts = self._drawn_starts.at(values, starts_of(subject))
+        states = [replace(s, start=starts.get(s.name, s.start)) for s in equations.states]
+        return replace(equations, states=tuple(states))
+
+    @cached_property
+    def _drawn_starts(self) -> DrawnStarts | None:
+        """The starts that follow the loops, None where an equilibrium is sought from them."""
+        kind = self.loaded.scenario.start or self.prepared.subject.usual_start
+        if kind != "nominal":
+            return None
+        return DrawnStarts.of(self.prepared.subject.system, self.prepared.equations)
 
     def run_watched(self, kernel: Kernel, solver: Solver, **span: Any) -> Statistics:
         """Integrate one case as a run of its own does, see ``simulate_watched``."""

@@ -116,3 +116,29 @@ def test_second_derivatives_refuse_rates_given_to_dependent_coordinates(turn):
     """They would leave out how the start bends."""
     with pytest.raises(InputError, match=r"rate of 'slider\.position'"):
         vd.sensitivity(turn, "final(crank.angle)", "r", along={"r": 1.0}, duration="20 ms")
+
+
+LINE = """\
+title: A ball on a line through the origin, which it is put on
+parameters: {m: {value: 0.4}, far: {value: 0.3 m}}
+bodies: {ball: {joints: [{kind: T1, name: x, start: far}, T2 y], mass: 1 kg}}
+constraints: {line: {kind: expression, zero: ball.y - m * ball.x}}
+"""
+
+
+@pytest.mark.long
+def test_a_start_moves_with_the_loops(tmp_path):
+    """The point of y = m x nearest to (f, 0): x = f / (1 + m²); runs, sweeps and derivatives."""
+    path = tmp_path / "run.yaml"
+    path.write_text(SCENARIO.replace("title: A ball", "title: Another ball"), encoding="utf-8")
+    (tmp_path / "ball.yaml").write_text(LINE, encoding="utf-8")
+    found = vd.sensitivity(path, "initial(ball.x)", ["m", "far"])
+    m, f = 0.4, 0.3
+    exact = [-2.0 * f * m / (1.0 + m**2) ** 2, 1.0 / (1.0 + m**2)]
+    assert found["figure_value"].values[0] == pytest.approx(f / (1.0 + m**2), rel=1e-12)
+    assert found["figure_slope"].values[0] == pytest.approx(exact, rel=1e-9)
+    assert not any("warning" in note for note in found.notes)
+    starts = vd.sweep(path, vary={"m": [0.4, 0.6]}, workers=1)["ball.x"].values[:, 0]
+    assert starts == pytest.approx([f / (1.0 + m**2), f / (1.0 + 0.6**2)], rel=1e-12)
+    with pytest.raises(InputError, match=r"'ball\.x' moves with the loops"):
+        vd.sensitivity(path, "final(ball.x)", "m", along={"m": 1.0})

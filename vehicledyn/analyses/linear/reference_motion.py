@@ -40,7 +40,7 @@ class ReferenceMotion:
         subject = prepared.subject
         self._prepared, self._speed = prepared, speed
         self.kind = reference_start(subject, speed, choices.start if choices else None)
-        self.written = WrittenStarts(prepared, speed)
+        self.written = WrittenStarts(prepared, speed, assembles=self.kind == "nominal")
 
     def at(self, point: Point, parameters: Floats) -> tuple[LinearPoint, Following]:
         """Return the point, and how it follows all parameters.

@@ -1,4 +1,4 @@
-"""Start values that a system writes as expressions of its parameters, with derivatives."""
+"""Start values that follow from parameters, as written or since loops are assembled."""
 
 from __future__ import annotations
 
@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 
 from vehicledyn.analyses.preparation.prepare import Point
 from vehicledyn.analyses.preparation.prepared import Prepared
+from vehicledyn.base.errors import InputError
 from vehicledyn.kernel.derivatives import Derivatives
+from vehicledyn.multibody.loops.assembled_start import DrawnStarts
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Equations
 
@@ -20,8 +22,15 @@ Floats = NDArray[np.float64]
 Evaluated: TypeAlias = Callable[..., Floats]
 
 
+_STILL = 1e-9
+"""Motion of a start along a direction that is rounding [m, rad]."""
+
+
 class WrittenStarts:
     """The start values of a model at a speed [m/s] that follow from parameters.
+
+    With ``assembles`` those of independent coordinates too that are moved so that loops close, as
+    a start that no equilibrium takes over.
 
     Attributes
     ----------
@@ -29,7 +38,7 @@ class WrittenStarts:
         Numbers of the states that they are of.
     """
 
-    def __init__(self, prepared: Prepared, speed: float) -> None:
+    def __init__(self, prepared: Prepared, speed: float, *, assembles: bool = False) -> None:
         self._equations, self._subject, self._speed = prepared.equations, prepared.subject, speed
         names = [p.name for p in self._equations.parameters]
         known = [p for p in self._subject.system.table.entries if p.name in names]
@@ -38,32 +47,59 @@ class WrittenStarts:
         written, places = self._subject.system.starts, dict[str, int]()
         for k, state in enumerate(self._equations.states):
             places[state.name] = k
-        own = [name for name in written if name in places]
-        self.states = [places[name] for name in own]
+        system = self._subject.system
+        self._drawn = DrawnStarts.of(system, self._equations) if assembles else None
+        drawn = self._drawn.places if self._drawn else {}
+        own = [name for name in written if name in places and name not in drawn]
+        self._n_written = len(own)
+        self.states = [places[name] for name in (*own, *drawn)]
         # Of dependent coordinates only rates are given: positions follow from the loops.
         self._others = [name for name in written if name not in places]
         self._starts = ops.column([written[name] for name in (*own, *self._others)])
 
     def applied(self, prepared: Prepared) -> Prepared:
         """Return the model, prepared with other parameters, with the start that they bring."""
-        if not self._subject.system.starts:
+        if not (self._subject.system.starts or self._drawn):
             return prepared
-        values = self._values(prepared.kernel.parameters[self._parameters])[:, 0]
-        given = zip(self._others, map(float, values[len(self.states) :]), strict=True)
+        parameters = prepared.kernel.parameters[self._parameters]
+        values = self._values(parameters)[:, 0]
+        own, others = values[: self._n_written], values[self._n_written :]
+        given = zip(self._others, map(float, others), strict=True)
         system = self._subject.system.with_starts(dict(given))
         subject = self._subject.with_system(system)
-        return replace(prepared, equations=self._started(values), subject=subject)
+        if self._drawn:
+            own = np.append(own, [*self._drawn.at(parameters).values()])
+        return replace(prepared, equations=self._started(own), subject=subject)
 
     def slopes(self, parameters: Floats) -> Floats:
-        """Return the derivatives of the start, shape (n_states, n_parameters)."""
-        return self._taken(False)[:, None] * self._placed(self._slopes, parameters)
+        """Return the derivatives of the start, shape (n_states, n_parameters).
+
+        Raises
+        ------
+        NumericalError
+            If loops do not close beside these parameters.
+        """
+        return self._taken(False)[:, None] * self._all_slopes(parameters)
 
     def still(self, parameters: Floats) -> Floats:
         """Return those of the start at rest, shape the same."""
-        return self._taken(True)[:, None] * self._placed(self._slopes, parameters)
+        return self._taken(True)[:, None] * self._all_slopes(parameters)
 
     def bent(self, parameters: Floats, direction: Floats, *, is_still: bool = False) -> Floats:
-        """Return how the one or the other change along a direction of the parameters."""
+        """Return how the one or the other change along a direction of the parameters.
+
+        Raises
+        ------
+        InputError
+            If they are drawn by loops.
+        """
+        moved = self._all_slopes(parameters)[self.states[self._n_written :]] @ direction
+        if np.any(np.abs(moved) > _STILL):
+            names = ", ".join(f"'{self._equations.states[k].name}'" for k in self.states)
+            raise InputError(
+                f"along: the start of {names} moves with the loops, which has no second "
+                "derivatives; 'role: independent' keeps a start"
+            )
         return self._taken(is_still)[:, None] * self._placed(self._bends, parameters, direction)
 
     def given_rates(self) -> list[str]:
@@ -102,13 +138,21 @@ class WrittenStarts:
         total = Derivatives(e, [p.name for p in e.parameters]).total(*at)
         rows = [channels[name] for name in names]
         moved = -total.outputs[rows] @ held - total.outputs_by_parameter[rows] @ by_parameter
-        own = self._slopes(parameters[self._parameters])[len(self.states) :]
+        own = self._slopes(parameters[self._parameters])[self._n_written :]
         for place, name in enumerate(names):
             if name in self._others:
                 row = own[self._others.index(name)]
                 moved[place] += row @ by_parameter[self._parameters]
         held[free] = np.linalg.lstsq(total.outputs[np.ix_(rows, free)], moved, rcond=1e-10)[0]
         return held
+
+    def _all_slopes(self, parameters: Floats) -> Floats:
+        """Return derivatives of the states that follow, (n_states, n_parameters), else zero."""
+        found = self._placed(self._slopes, parameters)
+        if self._drawn:
+            rows = self.states[self._n_written :]
+            found[np.ix_(rows, self._parameters)] = self._drawn.slopes(parameters[self._parameters])
+        return found
 
     @cached_property
     def _values(self) -> Evaluated:
@@ -134,8 +178,8 @@ class WrittenStarts:
     def _placed(self, function: Evaluated, *at: Floats) -> Floats:
         """Return derivatives of the states that are written, zero for all others."""
         found = np.zeros((len(self._equations.states), len(at[0])))
-        own = function(*(item[self._parameters] for item in at))[: len(self.states)]
-        found[np.ix_(self.states, self._parameters)] = own
+        own = function(*(item[self._parameters] for item in at))[: self._n_written]
+        found[np.ix_(self.states[: self._n_written], self._parameters)] = own
         return found
 
     def _taken(self, is_still: bool) -> Floats:

@@ -112,7 +112,8 @@ class MotionStudy:
         progress("deriving and compiling the tangents", None)
         code = TangentCode(prepared.equations, channels, back=back)
         course = PartitionCourse(prepared.subject.system, lambda: prepared.watch)
-        written = WrittenStarts(prepared, loaded.scenario.speed or 0.0)
+        kind = loaded.scenario.start or prepared.subject.usual_start
+        written = WrittenStarts(prepared, loaded.scenario.speed or 0.0, assembles=kind == "nominal")
         study = MotionStudy(
             loaded,
             prepared,

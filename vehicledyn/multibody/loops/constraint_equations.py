@@ -6,6 +6,7 @@ Holonomic rows h(q, t) come first, then the non-holonomic ones B q̇ + b.
 from __future__ import annotations
 
 from collections.abc import Callable
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -138,6 +139,12 @@ class Gaps:
     def structure(self) -> list[set[int]]:
         """Columns of the structural nonzeros of each row."""
         return [set(row) for row in rows_of(self._jacobian)]
+
+    def at(self, values: Array) -> Gaps:
+        """Return the same rows at other values of all parameters."""
+        other = copy(self)
+        other._values = np.array(values, dtype=float)
+        return other
 
     @cached_property
     def _by_parameter(self) -> Callable[..., Array]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -140,31 +141,49 @@ def start_values(
     system: System, symbols: Symbols, motion: dict[str, Motion], moment: AssemblyState
 ) -> Array:
     """Return the start values of all coordinates, driven ones from their motion."""
-    q = np.array([j.start for j in symbols.joints])
+    values = np.array([entry.value for entry in system.table.entries])
+    return starts_at(system, symbols, motion)(moment, values)
+
+
+def starts_at(
+    system: System, symbols: Symbols, motion: dict[str, Motion]
+) -> Callable[[AssemblyState, Array], Array]:
+    """Return what gives these start values at a moment and values of all parameters."""
     states = [s for part in symbols.states.values() for s in part.values()]
-    starts = [
-        moment.states.get(f"{part.name}.{v.name}", v.start)
-        for part in system.parts
-        for v in part.states()
-    ]
     entries = system.table.entries
     known = [symbols.time, ops.column(states), ops.column([e.symbol for e in entries])]
     driven = [k for k, j in enumerate(symbols.joints) if j.name in motion]
     positions = ops.column([motion[symbols.joints[k].name].position for k in driven])
-    values = ops.numeric(known, positions)(moment.time, starts, [e.value for e in entries])
-    q[driven] = values[:, 0]
-    return q
+    at = ops.numeric(known, positions)
+
+    def found(moment: AssemblyState, values: Array) -> Array:
+        q = np.array([j.start for j in symbols.joints])
+        starts = [
+            moment.states.get(f"{part.name}.{v.name}", v.start)
+            for part in system.parts
+            for v in part.states()
+        ]
+        q[driven] = at(moment.time, starts, values)[:, 0]
+        return q
+
+    return found
 
 
 def guesses(system: System, symbols: Symbols, time: float) -> Guess:
     """Return what the constraints guess of coordinates of their own."""
+    numbers = np.array([entry.value for entry in system.table.entries])
+    return guesses_at(system, symbols)(time, numbers)
+
+
+def guesses_at(system: System, symbols: Symbols) -> Callable[[float, Array], Guess]:
+    """Return what gives these guesses at a time [s] and values of all parameters."""
     if all(type(c).guesses is BaseConstraint.guesses for c in system.constraints):
-        return Guess((), lambda q: q)
+        return lambda _time, _numbers: Guess((), lambda q: q)
     geometry = Geometry(symbols.time, symbols.kinematics(unfold(system.bodies)))
     found = {k: v for c in system.constraints for k, v in c.guesses(geometry).items()}
     entries = system.table.entries
     known = [symbols.time, symbols.coordinate_column, ops.column([e.symbol for e in entries])]
     guess = ops.numeric(known, ops.column([*found.values()]))
-    names, numbers = [j.name for j in symbols.joints], [e.value for e in entries]
+    names = [j.name for j in symbols.joints]
     places = [names.index(name) for name in found]
-    return Guess(places, lambda q: guess(time, q, numbers)[:, 0])
+    return lambda time, numbers: Guess(places, lambda q: guess(time, q, numbers)[:, 0])
