@@ -131,3 +131,12 @@ def test_studies_take_no_run_that_lost_its_vehicle_for_an_ordinary_one(monkeypat
     (tmp_path / "study.yaml").write_text(SEARCH)
     with pytest.raises(NumericalError, match="driver_lost: at 1 s"):
         vehicledyn.optimise(tmp_path / "study.yaml")
+
+
+@pytest.mark.long
+def test_an_optimisation_does_not_begin_with_a_car_that_its_driver_loses(tmp_path):
+    (tmp_path / "run.yaml").write_text(TOO_FAST)
+    search = SEARCH.replace("length: {from: 0.5 m, to: 2 m}", "body.mass: {from: 0.8 t, to: 1 t}")
+    (tmp_path / "study.yaml").write_text(search.replace("upper.angle", "body.forward_speed"))
+    with pytest.raises(NumericalError, match="driver_lost: When the driver lost the car, 5 m"):
+        vehicledyn.optimise(tmp_path / "study.yaml")
