@@ -1,5 +1,7 @@
 """Manoeuvres and drivers as a scenario writes them, one of each kind."""
 
+from pathlib import Path
+
 DRIVERS = {
     "preview": "{kind: preview, preview_time: 0.5 s, lag_frequency: 20 rad/s, lag_damping: 0.8, "
     "rack_stop: 60 mm}",
@@ -31,6 +33,7 @@ MANOEUVRES = {
     "obstacle_avoidance": "{kind: obstacle_avoidance, begin: -11 m, release_at: 0, driver: DRIVER}",
     "steering_robot": "{kind: steering_robot, interval: 50 ms, angles: [0 deg, 1 deg, 3 deg], "
     "fastest: 400 deg/s, lag_frequency: 80 rad/s, towing_gain: 10 kN*s/m}",
+    "measured_run": f"{{kind: measured_run, file: {Path(__file__).with_name('measured_run.csv')}}}",
     "open_loop": "{kind: open_loop, times: [0 s, 0.1 s], angles: [0 deg, 3 deg], "
     "brake_torques: [0 N*m, 900 N*m]}",
     "path": "{kind: path, xs: [0 m, 10 m, 20 m], ys: [0 m, 1 m, 5 m], distances: [0 m, 20 m], "

@@ -80,7 +80,7 @@ def test_the_record_joins_its_samples_and_is_held_outside():
 
 def test_the_towing_force_acts_along_the_chassis():
     names, channels, rate, output = equations(
-        Towing("tow", "car", 5.0, 100.0), robot(lambda t: 0.0 * t)
+        Towing("tow", "car", lambda _: 5.0, 100.0), robot(lambda t: 0.0 * t)
     )
     state = np.zeros(len(names))
     state[names.index("x_rate")], state[names.index("yaw")] = 4.0, 0.6

@@ -50,7 +50,7 @@ def manoeuvre_of(target: Target) -> RoadManoeuvre:
     if not isinstance(manoeuvre, RoadManoeuvre):
         words = f"manoeuvre '{manoeuvre.kind}' is not for a road vehicle"
         raise InputError(f"{target.origin}: {words}")
-    return manoeuvre
+    return manoeuvre.placed(target.origin.parent)
 
 
 def build_vehicle(target: Target) -> RoadVehicle:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from pydantic import Field
@@ -44,6 +45,10 @@ class RoadManoeuvre(ParameterSet):
     def patches(self) -> tuple[FrictionPatch, ...]:
         """Return patches of friction that the manoeuvre lays over those of the road."""
         return ()
+
+    def placed(self, folder: Path) -> RoadManoeuvre:
+        """Return the same manoeuvre, with files that it names looked for in a folder."""
+        return self
 
     def fit(self, vehicle: RoadVehicle) -> RoadVehicle:
         """Return the vehicle with steering and drive."""

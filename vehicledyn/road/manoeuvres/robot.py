@@ -66,10 +66,13 @@ class Robot(BasePart):
 
 @dataclass(frozen=True)
 class Towing(BasePart):
-    """A force at the chassis's origin along its x axis that holds the speed, F = k (v_0 - v_x)."""
+    """A force at the chassis's origin along its x axis that holds the speed, F = k (v_0 - v_x).
+
+    ``target`` gives v_0 by the motion.
+    """
 
     chassis: str
-    target: Scalar
+    target: Callable[[Situation], Scalar]
     gain: Scalar
 
     def loads(self, situation: Situation) -> Loads:
@@ -86,4 +89,6 @@ class Towing(BasePart):
     def _force(self, situation: Situation) -> Scalar:
         kinematics = situation.kinematics
         along = kinematics.rotation(self.chassis)[:, 0]
-        return self.gain * (self.target - ops.dot(kinematics.velocity(self.chassis), along))
+        return self.gain * (
+            self.target(situation) - ops.dot(kinematics.velocity(self.chassis), along)
+        )

@@ -128,10 +128,20 @@ class Path(CourseTest):
     def target_speed(
         self, vehicle: RoadVehicle, change: Callable[[Scalar], Scalar]
     ) -> Callable[[Situation], Scalar]:
-        """Return the speed over the distance along the path."""
+        """Return the speed over the distance along the path; that of the start until then.
+
+        A start is balanced before the run, at rest where it is static: nothing drives there.
+        """
+        from vehicledyn.symbolic import ops
+
         if not self.speeds:
             return super().target_speed(vehicle, change)
-        return lambda seen: self._profile(seen.all_states["driver"]["station"])
+
+        def target(seen: Situation) -> Scalar:
+            wanted = self._profile(seen.all_states["driver"]["station"])
+            return ops.where(seen.time < 0.0, vehicle.speed, wanted)
+
+        return target
 
     def _profile(self, station: Scalar) -> Scalar:
         from vehicledyn.symbolic import ops

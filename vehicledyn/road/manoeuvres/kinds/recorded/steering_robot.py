@@ -84,4 +84,4 @@ class SteeringRobot(DrivingTest):
         if self.towing_gain is None:
             return found
         gain = number("towing_gain", "N*s/m", "Towing force over the error of speed")
-        return found.with_parts(Towing("towing", vehicle.chassis, vehicle.speed, gain))
+        return found.with_parts(Towing("towing", vehicle.chassis, lambda _: vehicle.speed, gain))
