@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 
-from vehicledyn.base.plugins import loaded_plugins, plugin_line
 from vehicledyn.cli.exit_codes import BUG, INPUT, NUMERICAL
 
 _NO_NUMBERS = re.compile(r"\b(nans?|infs?|infinity|math domain|(non-?|in)?finite)\b", re.IGNORECASE)
@@ -19,6 +18,8 @@ def told(error: Exception) -> tuple[str, int]:
     Arithmetic that leaves the range of numbers is the fault of numbers given far too large, too
     small or contradictory, unless these are usual ones.
     """
+    from vehicledyn.base.plugins import loaded_plugins, plugin_line
+
     words = " ".join(f"{type(error).__name__}: {error}".split())
     own = plugin_line(error)
     if own:
