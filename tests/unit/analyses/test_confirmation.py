@@ -26,3 +26,25 @@ def test_an_event_beside_the_worst_sample_is_named(monkeypatch, instant, named):
     assert "'height', by up to" in note
     assert "at 0.4 s" in note
     assert ("beside event 'bounce' at 0.4 s" in note) is named
+
+
+@pytest.mark.parametrize(("begin", "told"), [(0.4, True), (0.405, False)])
+def test_a_jump_that_moves_between_samples_is_told(begin, told):
+    """A step of 1 where a ramp begins changes its mean when it passes a sample, every 10 ms."""
+    times = np.linspace(0.0, 1.0, 101)
+    channel = SimpleNamespace(name="rate")
+
+    def moved(changes):
+        y = (changes["height"] * times + (times >= changes["begin"]))[:, None]
+        motion = MotionSlopes(times, y, y[:, :, None][:, :, :0], y[0], y[:0], [], "")
+        return SimpleNamespace(plain=lambda _: motion)
+
+    equations = SimpleNamespace(channels=[channel])
+    prepared = SimpleNamespace(equations=equations)
+    study = SimpleNamespace(prepared=prepared, channels=[0], moved=moved)
+    quantities = [SimpleNamespace(name=name) for name in ("height", "begin")]
+    chosen = SimpleNamespace(quantities=quantities, values=np.array([2.0, begin]))
+    slopes = np.array([[1.0, 0.0], [0.5, 0.0]])
+    notes = confirmation.unconfirmed_sums(study, chosen, [("max", 0), ("mean", 0)], slopes)
+    assert bool(notes) is told
+    assert not told or "'mean(rate)'" in notes[0]

@@ -30,6 +30,8 @@ warning; a few samples beside events are none. That difference is the quantile o
 _NEAR = 0.02
 """Part of the run's length within which an event counts as beside a sample."""
 
+_SUMS = "rms", "mean", "mean_square", "integral"
+
 _LEAST = 1e-11
 """Smallest effect on a channel that is judged, as a part of its largest value."""
 
@@ -96,26 +98,79 @@ def unconfirmed_figure(
     slope
         Its derivatives, shape (n_directions,).
     """
-    steps = _steps(chosen)
-    if not any(steps):
-        return []
-    ends = []
     try:
-        for part in (1.0, -1.0, 0.5, -0.5):
-            motion = study.moved(_changes(chosen, part * steps)).plain(lambda *_: None)
-            none = np.zeros((len(motion.times), 0))
-            ends.append(figure_slope(kind, motion.times, motion.values[:, 0], none).value)
+        missed = _missed(study, chosen, [(kind, 0)], slope[None])
     except NumericalError as error:
         return [f"warning: runs with parameters changed by 0.1 % fail: {error}"]
-    found = (4.0 * (ends[2] - ends[3]) - (ends[0] - ends[1]) / 2.0) / 3.0
-    expected = float(slope @ steps)
-    scale = max(float(np.max(np.abs(slope * steps))), abs(expected), _LEAST * abs(ends[0]))
-    if abs(found - expected) <= _APART * scale:
+    if not missed:
         return []
     return [
         "warning: runs with parameters changed by 0.1 % do not confirm the derivatives, by "
-        f"{abs(found - expected) / scale:.0%}; they are those of these steps"
+        f"{missed[0]:.0%}; they are those of these steps"
     ]
+
+
+def unconfirmed_sums(
+    study: MotionStudy,
+    chosen: Directions,
+    figures: Sequence[tuple[str, int]],
+    slopes: Floats,
+) -> list[str]:
+    """Return warnings of sums over samples that differences of runs do not confirm.
+
+    A jump that moves through few samples, such as that of a rate where a ramp begins, leaves their
+    curves as they are but changes their means.
+
+    Parameters
+    ----------
+    study, chosen
+        As for :func:`unconfirmed`.
+    figures
+        Kinds and places among the study's channels.
+    slopes
+        Their derivatives, shape (n_figures, n_directions).
+    """
+    sums = [row for row, (kind, _) in enumerate(figures) if kind in _SUMS]
+    names = [study.prepared.equations.channels[k].name for k in study.channels]
+    try:
+        missed = _missed(study, chosen, [figures[row] for row in sums], slopes[sums])
+    except NumericalError:  # told of the curves
+        return []
+    told = [f"{figures[sums[row]][0]}({names[figures[sums[row]][1]]})" for row in missed]
+    return [
+        f"warning: runs with parameters changed by 0.1 % do not confirm the derivatives of "
+        f"'{name}', by {part:.0%} of the largest: a jump of the channel moves between its "
+        "samples, or it is very sensitive; they are those of these samples"
+        for name, part in zip(told, missed.values(), strict=True)
+    ]
+
+
+def _missed(
+    study: MotionStudy, chosen: Directions, figures: Sequence[tuple[str, int]], slopes: Floats
+) -> dict[int, float]:
+    """Return which figures differences of runs do not confirm, and by which part.
+
+    Raises
+    ------
+    NumericalError
+        If such a run fails.
+    """
+    steps = _steps(chosen)
+    if not any(steps) or not figures:
+        return {}
+    ends = []
+    for part in (1.0, -1.0, 0.5, -0.5):
+        motion = study.moved(_changes(chosen, part * steps)).plain(lambda *_: None)
+        none = np.zeros((len(motion.times), 0))
+        columns = motion.values.T
+        ends.append([figure_slope(k, motion.times, columns[c], none).value for k, c in figures])
+    end = np.array(ends)
+    found = (4.0 * (end[2] - end[3]) - (end[0] - end[1]) / 2.0) / 3.0
+    expected = slopes @ steps
+    scale = np.max(np.abs(slopes * steps), axis=1)
+    scale = np.maximum(np.maximum(scale, np.abs(expected)), _LEAST * np.abs(end[0]))
+    part = np.abs(found - expected) / np.where(scale > 0.0, scale, 1.0)
+    return {row: float(part[row]) for row in np.flatnonzero(part > _APART).tolist()}
 
 
 def _beside(motion: MotionSlopes, sample: int) -> str:

@@ -17,7 +17,11 @@ from vehicledyn.analyse.gradients.adjoint import (
 from vehicledyn.analyse.gradients.key_figures import FigureSlope, figure_slope, unit_of
 from vehicledyn.analyse.gradients.motion_slopes import MotionSlopes
 from vehicledyn.analyses.preparation.prepared import Progress
-from vehicledyn.analyses.sensitivity.confirmation import unconfirmed, unconfirmed_figure
+from vehicledyn.analyses.sensitivity.confirmation import (
+    unconfirmed,
+    unconfirmed_figure,
+    unconfirmed_sums,
+)
 from vehicledyn.analyses.sensitivity.figure_names import check_names, is_figure_of_run
 from vehicledyn.analyses.sensitivity.mishaps import bent_beams, bent_beams_of, mishap, mishap_of
 from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
@@ -76,10 +80,20 @@ def _figures_ahead(
     chosen = directions(e, kernel.parameters, study.start.state, to)
     motion = study.followed(chosen, progress)
     known = list(study.run_figures(motion)) if _needs_run(of, e) else []
-    table = _table(study, chosen, motion, wanted(e, of, known))
+    asked_for = wanted(e, of, known)
+    table = _table(study, chosen, motion, asked_for)
     judged = range(len(study.channels)) if _needs_run(of, e) else _places(study, names)
     progress("confirming the derivatives by runs", None)
-    return replace(table, notes=(*table.notes, *unconfirmed(study, chosen, motion, judged)))
+    unsure = unconfirmed(study, chosen, motion, judged)
+    others = [
+        (kind, name)
+        for kind, name in asked_for.figures
+        if not any(f"'{name}'" in note for note in unsure)
+    ]
+    rows = [len(asked_for.others) + asked_for.figures.index(item) for item in others]
+    places = [(kind, _places(study, [name])[0]) for kind, name in others]
+    unsure += unconfirmed_sums(study, chosen, places, table.slopes[rows])
+    return replace(table, notes=(*table.notes, *unsure))
 
 
 def _places(study: MotionStudy, names: list[str]) -> list[int]:
