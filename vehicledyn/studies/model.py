@@ -21,6 +21,7 @@ from vehicledyn.analyses.preparation.runnable import Subject
 from vehicledyn.analyses.simulation.chosen_step import leaves_step, with_step
 from vehicledyn.analyses.simulation.judgement import judged_by
 from vehicledyn.analyses.simulation.lost_driver import PATH_ERROR
+from vehicledyn.analyses.simulation.open_contacts import refuse_open_contacts
 from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_watched
 from vehicledyn.analyses.simulation.sunk_wheels import refuse_sunk_wheels
 from vehicledyn.base.errors import InputError, VehicledynError, nearest_name
@@ -125,6 +126,7 @@ class Model:
         scenario = loaded.scenario
         start = start_of(own, scenario.speed or 0.0, scenario.start, self.reference)
         refuse_sunk_wheels(own, start)
+        refuse_open_contacts(own, start)
         return Case(own.kernel.parameters, start, subject)
 
     def _drawn(self, equations: Equations, subject: Subject, parameters: Vector) -> Equations:

@@ -14,6 +14,7 @@ from vehicledyn.analyses.preparation.memory.run_cache import Memory, key_of_run,
 from vehicledyn.analyses.preparation.prepare import Point, prepare, start_point
 from vehicledyn.analyses.preparation.prepared import Check, Derived, Prepared, Progress
 from vehicledyn.analyses.simulation.animation_recorder import look_of
+from vehicledyn.analyses.simulation.open_contacts import refuse_open_contacts
 from vehicledyn.analyses.simulation.sunk_wheels import refuse_sunk_wheels
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.kernel.make_kernel import Backend, known_kernel
@@ -48,6 +49,7 @@ def prepare_run(
             start = start_point(prepared, loaded.scenario.speed or 0.0, loaded.scenario.start)
             refuse_idle_start(prepared, 0.0, start.state, start.unknowns)
             refuse_sunk_wheels(prepared, start)
+            refuse_open_contacts(prepared, start)
     prepared.look = look_of(prepared)
     if key is not None and prepared.kernel.key and not told:
         remember(key, _memory_of(prepared, start))

@@ -16,10 +16,7 @@ from numpy.typing import NDArray
 from vehicledyn.analyses.preparation.doubts.bent_beams import BentBeams
 from vehicledyn.analyses.preparation.doubts.coarse_foundations import coarse_foundations
 from vehicledyn.analyses.preparation.doubts.rounded_kinks import rounded_kinks
-from vehicledyn.analyses.preparation.mass_checks import (
-    constraint_notes,
-    hardly_resisted,
-)
+from vehicledyn.analyses.preparation.mass_checks import constraint_notes, hardly_resisted
 from vehicledyn.analyses.preparation.model_hash import model_hash
 from vehicledyn.analyses.preparation.prepare import Point
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress
@@ -32,6 +29,7 @@ from vehicledyn.analyses.simulation.kinked_drives import kinked_drives
 from vehicledyn.analyses.simulation.lost_driver import STATUS, lost_driver
 from vehicledyn.analyses.simulation.mended_profiles import mended_profiles
 from vehicledyn.analyses.simulation.moved_starts import moved_starts
+from vehicledyn.analyses.simulation.open_contacts import unsteady_contacts
 from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_watched
 from vehicledyn.analyses.simulation.partitions.run_notes import most_noted
 from vehicledyn.analyses.simulation.partitions.singular_turns import SingularTurns
@@ -128,6 +126,7 @@ def run_scenario(
     else:
         notes.extend(filter(None, [start.remark, *rounded_kinks(prepared, start)]))
     notes.extend([*standing_wheels(prepared, start), *coarse_foundations(prepared)])
+    notes.extend(unsteady_contacts(prepared, start))
     notes.extend(kinked_drives(prepared.subject, loaded.scenario.duration))
     notes.extend([*mended_profiles(loaded), *steep_roads(loaded), *cautions(loaded)])
     notes.extend(undamped_constraints(solver, prepared.equations))

@@ -1,0 +1,57 @@
+"""Rigid contacts that touch where the run starts have no gap there."""
+
+from __future__ import annotations
+
+import pytest
+
+import vehicledyn as vd
+
+DROP = """
+title: A tappet above a round cam
+gravity: [0, 0, -9.81 m/s^2]
+bodies:
+  tappet: {{joints: [{{kind: T3, name: height}}], mass: 0.5 kg}}
+elements:
+  contact:
+    kind: cam_impact
+    cam_body: ground
+    follower_body: tappet
+    cam:
+      motion: [{{kind: dwell, over: 360 deg}}]
+      base_radius: 40 mm
+      follower: {{kind: flat}}
+    normal: [0, 0, 1]
+    touching: {touching}
+initial: {{tappet.height: {height}{more}}}
+"""
+
+
+def run(folder, height, touching, more=""):
+    path = folder / "model.yaml"
+    path.write_text(DROP.format(height=height, touching=touching, more=more))
+    solver = {"kind": "dop853", "relative_tolerance": 1e-11, "absolute_tolerance": 1e-12}
+    return vd.simulate(path, duration="0.1 s", solver=solver, backend="interpreted")
+
+
+@pytest.mark.parametrize(
+    ("height", "touching", "told"),
+    [
+        ("60 mm", "true", r"model\.yaml:7:3: .*'contact' are 20 mm apart at the start.*touching"),
+        ("39 mm", "true", "1 mm into each other at the start, where it touches"),
+        ("39 mm", "false", "1 mm into each other at the start, where it does not touch"),
+    ],
+)
+def test_bodies_apart_in_contact_are_refused(tmp_path, height, touching, told):
+    """They were drawn together without an impact, or fell through each other."""
+    with pytest.raises(vd.InputError, match=told):
+        run(tmp_path, height, touching)
+
+
+def test_a_gap_that_closes_while_the_bodies_touch_is_told(tmp_path):
+    with pytest.warns(vd.AccuracyWarning, match=r"'contact' touches.*closes at 0\.3 m/s"):
+        run(tmp_path, "40 mm", "true", ", tappet.height_rate: -0.3 m/s")
+
+
+def test_a_flight_ends_with_an_impact(tmp_path):
+    hits = [e.time for e in run(tmp_path, "60 mm", "false").events if e.name == "contact.hits"]
+    assert hits[0] == pytest.approx((2.0 * 0.02 / 9.81) ** 0.5, rel=1e-9)
