@@ -32,6 +32,7 @@ from vehicledyn.analyses.handling.steady_turn import (
 from vehicledyn.analyses.handling.test_run import Drive
 from vehicledyn.analyses.handling.tested_car import CONTROL, CarPoint, TestedCar
 from vehicledyn.analyses.handling.yaw_moment import REASONS, YawMoments, yaw_moments
+from vehicledyn.analyses.preparation.doubts.unlike_tyres import unlike_tyres
 from vehicledyn.analyses.preparation.model_hash import model_facts
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.base.step_memory import Memory
@@ -115,7 +116,8 @@ def steady_sheets(solver: SteadyTurn, wish: SteadyWish, progress: Progress) -> H
     }
     sheets |= {name: _sheet(curve) for name, curve in curves.items() if curve.points}
     figures = [f for name, c in curves.items() for f in _circle_figures(name, c)]
-    notes = [
+    notes = [*unlike_tyres(solver.car.prepared.subject.system)]
+    notes += [
         f"{c.method}: no turn was found beyond {c.values['lateral_acceleration'][-1]:.3g} m/s^2, "
         "which is not shown to be the limit"
         for c in curves.values()

@@ -22,12 +22,10 @@ from vehicledyn.analyses.preparation.prepare import Point
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress
 from vehicledyn.analyses.preparation.sources import sources_of
 from vehicledyn.analyses.simulation.animation_recorder import Recorder, surroundings_of
-from vehicledyn.analyses.simulation.cautions import cautions
 from vehicledyn.analyses.simulation.chosen_step import leaves_step, with_step
 from vehicledyn.analyses.simulation.judgement import judged_by
 from vehicledyn.analyses.simulation.kinked_drives import kinked_drives
 from vehicledyn.analyses.simulation.lost_driver import STATUS, lost_driver
-from vehicledyn.analyses.simulation.mended_profiles import mended_profiles
 from vehicledyn.analyses.simulation.moved_starts import moved_starts
 from vehicledyn.analyses.simulation.open_contacts import unsteady_contacts
 from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_watched
@@ -37,8 +35,8 @@ from vehicledyn.analyses.simulation.prepared_run import prepare_run
 from vehicledyn.analyses.simulation.restart import SINGULAR_ANGLES, Restart, open_restart
 from vehicledyn.analyses.simulation.run_outcome import RunOutcome, kernel_message, shown_entry
 from vehicledyn.analyses.simulation.run_recording import RunRecording
+from vehicledyn.analyses.simulation.run_remarks import run_remarks
 from vehicledyn.analyses.simulation.standing_wheels import standing_wheels
-from vehicledyn.analyses.simulation.steep_roads import steep_roads
 from vehicledyn.analyses.simulation.track_positions import track_place
 from vehicledyn.analyses.simulation.undamped_constraints import undamped_constraints
 from vehicledyn.analyses.simulation.wanted_outputs import (
@@ -128,7 +126,7 @@ def run_scenario(
     notes.extend([*standing_wheels(prepared, start), *coarse_foundations(prepared)])
     notes.extend(unsteady_contacts(prepared, start))
     notes.extend(kinked_drives(prepared.subject, loaded.scenario.duration))
-    notes.extend([*mended_profiles(loaded), *steep_roads(loaded), *cautions(loaded)])
+    notes.extend(run_remarks(loaded, prepared))
     notes.extend(undamped_constraints(solver, prepared.equations))
     turns = SingularTurns.of(prepared.subject.system, prepared.equations)
     needed = needed_channels(prepared)

@@ -1,0 +1,20 @@
+"""What a run of a scenario is told beside its results: mended, steep, gapped and unlike things."""
+
+from __future__ import annotations
+
+from vehicledyn.analyses.preparation.doubts.unlike_tyres import unlike_tyres
+from vehicledyn.analyses.preparation.prepared import Prepared
+from vehicledyn.analyses.simulation.cautions import cautions
+from vehicledyn.analyses.simulation.mended_profiles import mended_profiles
+from vehicledyn.analyses.simulation.steep_roads import steep_roads
+from vehicledyn.files.scenario.target import Target
+
+
+def run_remarks(loaded: Target, prepared: Prepared) -> list[str]:
+    """Return sentences about profiles, roads, paths and tyres of a run."""
+    return [
+        *mended_profiles(loaded),
+        *steep_roads(loaded),
+        *cautions(loaded),
+        *unlike_tyres(prepared.subject.system),
+    ]
