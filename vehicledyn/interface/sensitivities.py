@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -35,7 +35,8 @@ def sensitivity(
     Parameters
     ----------
     scenario
-        Path or name of a scenario or model, a System, or what :func:`vehicledyn.load` returned.
+        Path or name of a scenario or model, a System, or what :func:`vehicledyn.load` returned;
+        of ``tyre(...)`` a tyre property file.
     of
         Key figures of the run, channels, or figures of channels such as ``max(chassis.roll)``;
         or of the linearised model: ``eigenvalues``, ``mode_shapes``, ``critical_speed`` and
@@ -48,7 +49,8 @@ def sensitivity(
         dynamics, such as ``inverse(crank.angle_force)``, ``inverse(max(crank.angle_force))`` and
         ``inverse(crank.angle.work)``; or of an axle on the suspension rig, such as
         ``rig(left.toe_gain, parallel)`` and ``rig(left.camber, roll, -2 deg:2 deg:4)``;
-        or of steady cornering, such as ``steady(understeer_gradient, constant_radius)``.
+        or of steady cornering, such as ``steady(understeer_gradient, constant_radius)``; or of a
+        tyre file, such as ``tyre(lateral_force, 4000 N, slip_angle=4 deg)``.
     to
         Parameters, by patterns such as ``parameters.front.*``, and start values of states, such
         as ``start.chassis.y``.
@@ -107,13 +109,32 @@ def sensitivity(
             loaded = read_scenario(scenario, changes)
             table = find_curvature(loaded, names, patterns, along, reported)
         else:
-            read = read_scenario if analysis.of_scenario else read_target
-            target = read(scenario, changes)
             find, kinds = analysis.load()
-            digests = digests_to_keep(place.kept, [target])
+            subject: Any
+            if analysis.subject == "file":
+                subject, digests = file_of(scenario, kind, changes), []
+            else:
+                read = read_scenario if analysis.subject == "scenario" else read_target
+                subject = read(scenario, changes)
+                digests = digests_to_keep(place.kept, [subject])
             given = digests, names, patterns, at
             memory = place.kept.memory("sensitivity", *given, kinds=kinds)
             speeds = (at,) if analysis.has_speed else ()
-            table = find(target, names, patterns, *speeds, reported, memory=memory)
+            table = find(subject, names, patterns, *speeds, reported, memory=memory)
         write_sensitivity(place.path, table)
         return place.value(SensitivityReport(table))
+
+
+def file_of(source: Source, analysis: str, changes: Sequence[str]) -> str:
+    """Return the file that an analysis of files is asked about.
+
+    Raises
+    ------
+    InputError
+        If it is no file, or something is to be changed in it.
+    """
+    if not isinstance(source, str | Path):
+        raise InputError(f"{analysis}(...) is of a file; give its path")
+    if changes:
+        raise InputError(f"{analysis}(...) is of a file, in which nothing is set; change the file")
+    return str(source)

@@ -1,8 +1,8 @@
 """Analyses whose figures have derivatives: how their names look, and what finds them.
 
-A new analysis is a new entry here. What finds derivatives takes a scenario or target, names of
-figures, patterns of parameters, a speed where the analysis has one, and ``progress``, and by name
-the memory of steps; it is loaded when it is asked for.
+A new analysis is a new entry here. What finds derivatives takes a scenario, target or file, names
+of figures, patterns of parameters, a speed where the analysis has one, and ``progress``, and by
+name the memory of steps; it is loaded when it is asked for.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from vehicledyn.analyses.sensitivity import figure_kinds
 
@@ -29,13 +29,14 @@ class Analysis:
     """An analysis whose figures have derivatives.
 
     ``owns`` tells whether a name is that of one of its figures. ``has_speed`` says whether it
-    takes a speed of its own, ``of_scenario`` whether only scenarios have it.
+    takes a speed of its own, ``subject`` what it is of: a model or scenario, a scenario alone, or
+    a file of its own.
     """
 
     owns: Callable[[str], bool]
     load: Callable[[], Loaded]
     has_speed: bool = False
-    of_scenario: bool = False
+    subject: Literal["target", "scenario", "file"] = "target"
 
 
 def _linear() -> Loaded:
@@ -80,6 +81,12 @@ def _steady() -> Loaded:
     return steady_figures.find_steady_sensitivity, steady_figures.KINDS
 
 
+def _tyre() -> Loaded:
+    from vehicledyn.analyses.sensitivity.tyre_figures import find_tyre_sensitivity
+
+    return find_tyre_sensitivity, ()
+
+
 def _run() -> Loaded:
     from vehicledyn.analyses.sensitivity import motion, motion_study
 
@@ -98,10 +105,11 @@ ANALYSES = {
     "response": Analysis(figure_kinds.is_response, _response, has_speed=True),
     "cycle": Analysis(figure_kinds.is_cycle, _cycle, has_speed=True),
     "kinematics": Analysis(_called("kinematics"), _kinematic),
-    "inverse": Analysis(_called("inverse"), _inverse, of_scenario=True),
+    "inverse": Analysis(_called("inverse"), _inverse, subject="scenario"),
     "rig": Analysis(_called("rig"), _rig),
     "steady": Analysis(_called("steady"), _steady),
-    RUN: Analysis(lambda _: True, _run, of_scenario=True),
+    "tyre": Analysis(_called("tyre"), _tyre, subject="file"),
+    RUN: Analysis(lambda _: True, _run, subject="scenario"),
 }
 """Analyses by name; a figure belongs to the first that owns its name."""
 

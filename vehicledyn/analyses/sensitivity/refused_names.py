@@ -27,7 +27,6 @@ REASONS = {
     "profiles": _GEOMETRY,
     "track": _GEOMETRY,
     "cam": _GEOMETRY,
-    "tyre": "curves of a tyre file belong to no scenario; ask for forces of a run with the tyre",
     "assess": "it filters a stored result; ask for figures of the run",
     "compare": "it compares stored results",
     "sweep": _STUDY,

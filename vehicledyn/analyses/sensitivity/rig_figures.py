@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
@@ -22,6 +21,7 @@ from vehicledyn.analyses.mechanism.rig import (
 from vehicledyn.analyses.mechanism.rig_bench import Bench
 from vehicledyn.analyses.mechanism.rig_slopes import BenchSlopes
 from vehicledyn.analyses.preparation.prepared import Progress
+from vehicledyn.analyses.sensitivity.called import called_parts
 from vehicledyn.analyses.sensitivity.names import START, matching
 from vehicledyn.base.errors import InputError, NumericalError, unknown_name
 from vehicledyn.base.step_memory import Memory
@@ -32,7 +32,6 @@ from vehicledyn.results.tables.sensitivity_table import SensitivityTable
 
 Floats = NDArray[np.float64]
 
-_NAME = re.compile(r"rig\((.*)\)")
 _FORM = "rig(QUANTITY, TEST, -60 mm:60 mm:4)"
 _OPTIONS = "travel", "steering"
 
@@ -171,12 +170,7 @@ def _parsed(name: str) -> _Asked:
     InputError
         If a part is missing or means nothing.
     """
-    match = _NAME.fullmatch(name)
-    parts = [part.strip() for part in match[1].split(",")] if match else []
-    options = dict(_option(name, part) for part in parts if "=" in part)
-    parts = [part for part in parts if "=" not in part]
-    if not 2 <= len(parts) <= 3 or not all(parts):
-        raise InputError(f"'{name}': write {_FORM}")
+    parts, options = called_parts(name, _FORM, (2, 3), _OPTIONS)
     try:
         test = named_test(parts[1])
         travel = float(to_si(options.get("travel", 0.0), "m"))
@@ -187,10 +181,3 @@ def _parsed(name: str) -> _Asked:
     except InputError as error:
         raise InputError(f"'{name}': {error}") from None
     return _Asked(name, parts[0], request)
-
-
-def _option(name: str, part: str) -> tuple[str, str]:
-    key, _, value = (item.strip() for item in part.partition("="))
-    if key not in _OPTIONS:
-        raise InputError(f"'{name}': {unknown_name('setting', key, _OPTIONS)}")
-    return key, value

@@ -7,7 +7,6 @@ derivatives.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
@@ -35,6 +34,7 @@ from vehicledyn.analyses.handling.tested_car import CONTROL, CarPoint, TestedCar
 from vehicledyn.analyses.handling.turn_equations import TurnOf
 from vehicledyn.analyses.handling.turn_slopes import TurnSlopes
 from vehicledyn.analyses.preparation.prepared import Progress
+from vehicledyn.analyses.sensitivity.called import called_parts
 from vehicledyn.analyses.sensitivity.names import START, matching
 from vehicledyn.base.errors import InputError, NumericalError, unknown_name
 from vehicledyn.base.ranges import read_range
@@ -50,7 +50,6 @@ Floats = NDArray[np.float64]
 KINDS = (CarPoint,)
 """Results of steps that a memory knows."""
 
-_NAME = re.compile(r"steady\((.*)\)")
 _FORM = "steady(QUANTITY, constant_speed|constant_radius, 1 m/s^2:4 m/s^2:3)"
 _LINES = {name: (quantity, words) for quantity, name, words in GRADIENTS}
 
@@ -203,16 +202,8 @@ def _parsed(name: str) -> _Asked:
     InputError
         If a part is missing or means nothing.
     """
-    match = _NAME.fullmatch(name)
-    parts = [part.strip() for part in match[1].split(",")] if match else []
-    options = {
-        key.strip(): value.strip()
-        for key, found, value in (part.partition("=") for part in parts)
-        if found
-    }
-    parts = [part for part in parts if "=" not in part]
-    if not 2 <= len(parts) <= 3 or not all(parts):
-        raise InputError(f"'{name}': write {_FORM}")
+    settings = [method.setting for method in _METHODS.values()]
+    parts, options = called_parts(name, _FORM, (2, 3), settings)
     quantity, method = parts[:2]
     if quantity not in (*QUANTITIES, *_LINES):
         raise InputError(f"'{name}': {unknown_name('quantity', quantity, [*QUANTITIES, *_LINES])}")

@@ -31,7 +31,8 @@ def sensitivity(
             "'cycle_amplitude(CHANNEL)', 'cycle_period', 'equilibrium.COORDINATE', "
             "'gain(OUTPUT, INPUT, 1.5 Hz)', 'phase(...)', 'kinematics(CHANNEL, DRIVE, VALUES)', "
             "'inverse(CHANNEL)', 'rig(QUANTITY, TEST, VALUES)', "
-            "'steady(QUANTITY, METHOD, VALUES)'; "
+            "'steady(QUANTITY, METHOD, VALUES)', of a tyre file 'tyre(FORCE, LOAD, "
+            "slip_angle=4 deg)'; "
             "may be repeated.",
         ),
     ],
@@ -58,9 +59,11 @@ def sensitivity(
     as_json: Json = False,
 ) -> None:
     """Find exact derivatives of a run's channels and key figures by parameters, ranked."""
+    from vehicledyn.analyses.sensitivity.known_analyses import ANALYSES, analysis_of
     from vehicledyn.cli.commands.analyses import read_target
 
-    loaded = read_target(target, overrides, ("scenario", "system"))
+    is_file = ANALYSES[analysis_of(of[0])].subject == "file"
+    loaded = target if is_file else read_target(target, overrides, ("scenario", "system"))
     is_result = output is not None and is_result_name(output)
     if output is not None and is_result:
         check_replacing(output, SENSITIVITY, overwrite=overwrite, resume=resume)
@@ -70,6 +73,7 @@ def sensitivity(
         of,
         to or ["parameters.*"],
         speed=speed,
+        set=overrides if is_file else None,
         save_to=output if is_result else None,
         overwrite=True,
         resume=resume,

@@ -145,6 +145,8 @@ class AnalysisPart:
         NumericalError
             If the analysis fails.
         """
+        if ANALYSES[analysis].subject == "file":
+            raise InputError(f"'{asked[0]}' is of a file, not of a scenario")
         first = _table(loaded, analysis, asked, ["parameters.*"])
         _places(asked, first)
         return cls(loaded, analysis, asked, [f"{head}{name}" for name in asked], first)

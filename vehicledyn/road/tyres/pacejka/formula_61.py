@@ -305,5 +305,5 @@ def other_moments(
     if rules.resistance_of_book:
         carried = s.load * load**p.QSY7
     else:
-        carried = p.FNOMIN * load ** (p.QSY7 if p.QSY7 != 0.0 else 1.0)
+        carried = p.FNOMIN * load ** (1.0 if _is_zero(p.QSY7) else p.QSY7)
     return (arm * tilt + extra) * p.LMX, -p.UNLOADED_RADIUS * carried * drag

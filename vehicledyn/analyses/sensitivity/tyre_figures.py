@@ -1,0 +1,183 @@
+"""Derivatives of forces and stiffnesses of a tyre property file by its coefficients."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.analyses.preparation.prepared import Progress
+from vehicledyn.analyses.sensitivity.called import called_parts
+from vehicledyn.analyses.sensitivity.names import matching
+from vehicledyn.base.errors import InputError, unknown_name
+from vehicledyn.base.ranges import read_range
+from vehicledyn.base.step_memory import Memory
+from vehicledyn.base.units import shown
+from vehicledyn.results.store.linear_file import Quantity
+from vehicledyn.results.tables.sensitivity_table import SensitivityTable
+from vehicledyn.road.tyre_files.names import coefficients
+from vehicledyn.road.tyres.tyre import TyreInput
+from vehicledyn.road.tyres.tyre_of_file import TyreOfFile
+from vehicledyn.symbolic import ops
+
+Floats = NDArray[np.float64]
+
+_FORM = "tyre(lateral_force, 4000 N, slip_angle=0 deg:8 deg:4, camber=1 deg)"
+_SPEED = 16.7
+"""Speed of the wheel [m/s], as in the curves of a tyre file."""
+
+_SLIPS = {"longitudinal_slip": "1", "slip_angle": "rad", "camber": "rad"}
+_FORCES = {
+    "longitudinal_force": ("N", "Force along the wheel"),
+    "lateral_force": ("N", "Force across the wheel, to the left"),
+    "aligning_moment": ("N*m", "Moment about the ground normal"),
+    "overturning_moment": ("N*m", "Moment about the longitudinal axis"),
+    "rolling_resistance": ("N*m", "Moment about the spin axis"),
+}
+_STIFFNESSES = {
+    "slip_stiffness": ("longitudinal_force", "longitudinal_slip", "N"),
+    "cornering_stiffness": ("lateral_force", "slip_angle", "N/rad"),
+    "aligning_stiffness": ("aligning_moment", "slip_angle", "N*m/rad"),
+    "camber_stiffness": ("lateral_force", "camber", "N/rad"),
+}
+"""Slopes of a force by a slip: both, and the unit."""
+
+_LEFT_OUT_AT_ZERO = ("QSY7",)
+"""Coefficients that the law does without where they are zero, so that they have no derivative."""
+
+_UNITS = {
+    "length": "m",
+    "force": "N",
+    "time": "s",
+    "mass": "kg",
+    "angle": "rad",
+    "pressure": "Pa",
+}
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """A force or stiffness, with what the tyre feels: load and slips, one row each place."""
+
+    quantity: str
+    felt: Floats
+
+
+def find_tyre_sensitivity(
+    file: str, of: Sequence[str], to: Sequence[str], progress: Progress, *, memory: Memory
+) -> SensitivityTable:
+    """Return derivatives of steady forces of a tyre property file by its coefficients.
+
+    Parameters
+    ----------
+    file
+        Tyre property file, or the name of one of the library.
+    of
+        Names such as ``tyre(lateral_force, 4000 N, slip_angle=4 deg)`` and
+        ``tyre(cornering_stiffness, 2 kN:6 kN:4)``, the latter at no slip where none is given.
+    to
+        Patterns of coefficients, such as ``PDY*``.
+    progress
+        Called with what is going on.
+    memory
+        Not used: it takes no time.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or a name means nothing.
+    """
+    asked = [_parsed(name) for name in of]
+    tyre = TyreOfFile(file=file, mirror="never")
+    known, values = coefficients(), tyre.content.values
+    names = [n for n in values if n in known and known[n].section.endswith("_COEFFICIENTS")]
+    chosen = [names[k] for k in matching(names, to, tyre.path.name)]
+    progress("differentiating the tyre", None)
+    law = _Law(tyre, chosen)
+    figures, found = [], []
+    for item in asked:
+        for felt in item.felt:
+            figures.append(_quantity(item, felt))
+            found.append(law.at(item.quantity, felt))
+    return SensitivityTable(
+        f"Tyre {tyre.path.name}",
+        tyre.path.name,
+        tuple(Quantity(n, _unit(known[n].dimension), known[n].meaning) for n in chosen),
+        np.array([float(values[n]) for n in chosen]),
+        tuple(figures),
+        np.array([value for value, _ in found]),
+        np.array([slope for _, slope in found]).reshape(len(found), len(chosen)),
+    )
+
+
+class _Law:
+    """Forces and stiffnesses of a tyre, with their derivatives by chosen coefficients."""
+
+    def __init__(self, tyre: TyreOfFile, chosen: Sequence[str]) -> None:
+        felt = ops.column([ops.symbol(name) for name in ("load", *_SLIPS)])
+        symbols = ops.column([ops.symbol(name) for name in chosen])
+        p = tyre.coefficients()
+        self._values = np.array([float(getattr(p, name)) for name in chosen])
+        moving = zip(chosen, self._values, strict=True)
+        acts = [v != 0.0 or name not in _LEFT_OUT_AT_ZERO for name, v in moving]
+        p = p.changed(**{n: symbols[k] for k, n in enumerate(chosen) if acts[k]})
+        forces = tyre.acting_forces(p, TyreInput(felt[0], felt[1], felt[2], felt[3], _SPEED))
+        rows: dict[str, Any] = {name: ops.scalar(getattr(forces, name)) for name in _FORCES}
+        for name, (force, slip, _) in _STIFFNESSES.items():
+            rows[name] = ops.derivative(rows[force], felt[1 + list(_SLIPS).index(slip)], 1.0)
+        self._names = list(rows)
+        column = ops.column(list(rows.values()))
+        self._value = ops.numeric([felt, symbols], column)
+        self._slope = ops.numeric([felt, symbols], ops.jacobian(column, symbols))
+
+    def at(self, quantity: str, felt: Floats) -> tuple[float, Floats]:
+        """Return a quantity and its derivatives; raises InputError if they are no numbers."""
+        row = self._names.index(quantity)
+        value = float(self._value(felt, self._values)[row, 0])
+        slope = self._slope(felt, self._values)[row]
+        if not (np.isfinite(value) and np.isfinite(slope).all()):
+            raise InputError(f"{quantity} at {felt[0]:g} N has no finite derivatives there")
+        return value, slope
+
+
+def _quantity(asked: _Asked, felt: Floats) -> Quantity:
+    pairs = zip(_SLIPS.items(), felt[1:], strict=True)
+    slips = [f"{name} = {shown(float(v), u if u != '1' else '')}" for (name, u), v in pairs if v]
+    name = f"{asked.quantity} at {', '.join([shown(float(felt[0]), 'N'), *slips])}"
+    if asked.quantity in _FORCES:
+        return Quantity(name, *_FORCES[asked.quantity])
+    force, slip, unit = _STIFFNESSES[asked.quantity]
+    words = f"{force} by {slip}".replace("_", " ").capitalize()
+    return Quantity(name, unit, words)
+
+
+def _unit(dimension: str) -> str:
+    """Return the SI unit of a dimension such as "force*length/angle"."""
+    return re.sub(r"[a-z]+", lambda match: _UNITS[match[0]], dimension)
+
+
+def _parsed(name: str) -> _Asked:
+    """Return what a name asks for.
+
+    Raises
+    ------
+    InputError
+        If a part is missing or means nothing.
+    """
+    parts, options = called_parts(name, _FORM, (2,), _SLIPS)
+    known = [*_FORCES, *_STIFFNESSES]
+    if parts[0] not in known:
+        raise InputError(f"'{name}': {unknown_name('quantity', parts[0], known)}")
+    try:
+        loads = read_range(parts[1]).values("N")
+        slips = [read_range(options.get(s, "0")).values(unit) for s, unit in _SLIPS.items()]
+    except InputError as error:
+        raise InputError(f"'{name}': {error}") from None
+    if not min(loads) > 0.0:
+        raise InputError(f"'{name}': the load must be above zero")
+    axes = np.meshgrid(loads, *slips, indexing="ij")
+    return _Asked(parts[0], np.stack([axis.ravel() for axis in axes], axis=1))
