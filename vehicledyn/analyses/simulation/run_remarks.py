@@ -7,10 +7,10 @@ from vehicledyn.analyses.preparation.prepared import Prepared
 from vehicledyn.analyses.simulation.cautions import cautions
 from vehicledyn.analyses.simulation.mended_profiles import mended_profiles
 from vehicledyn.analyses.simulation.steep_roads import steep_roads
-from vehicledyn.files.scenario.target import Target
+from vehicledyn.files.scenario.load import LoadedScenario
 
 
-def run_remarks(loaded: Target, prepared: Prepared) -> list[str]:
+def run_remarks(loaded: LoadedScenario, prepared: Prepared) -> list[str]:
     """Return sentences about profiles, roads, paths and tyres of a run."""
     return [
         *mended_profiles(loaded),
