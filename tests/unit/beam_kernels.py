@@ -49,12 +49,12 @@ def frequencies(kernel):
     return np.sort(np.abs(np.linalg.eigvals(matrix_of(kernel)).imag))[::2]
 
 
-def at_rest(kernel):
-    """Return the channels where small loads hold the beam in balance, by name."""
+def at_rest(kernel, steps=4):
+    """Return the channels where loads hold the beam in balance, by name."""
     e = kernel.equations
     n, x = len(e.states) // 2, np.zeros(len(e.states))
     matrix = matrix_of(kernel)[n:, :n]
-    for _ in range(4):
+    for _ in range(steps):
         x[:n] -= np.linalg.solve(matrix, kernel.rates(0.0, x, np.zeros(0))[n:])
     values = kernel.outputs(0.0, x, np.zeros(0))
     return dict(zip([c.name for c in e.channels], values, strict=True))

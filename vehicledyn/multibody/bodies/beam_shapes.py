@@ -144,6 +144,11 @@ def quadrature(count: int, breaks: tuple[float, ...] = ()) -> tuple[Array, Array
     )
 
 
+def points_of_a_part(points: int, kinks: int) -> int:
+    """Return how many points each part between kinks needs where the whole would need some."""
+    return -(-points // (kinks + 1)) + 2 if kinks else points
+
+
 @lru_cache(maxsize=64)
 def assumed_shapes(count: int, order: int, spare: int = 0) -> Shapes:
     """Return the first shapes of a beam that is clamped at ξ = 0.

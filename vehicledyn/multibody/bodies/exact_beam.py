@@ -16,6 +16,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -23,7 +24,7 @@ from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
 from vehicledyn.multibody.bodies.beam_properties import TAPER_POINTS, Properties, Stiffness
-from vehicledyn.multibody.bodies.beam_shapes import Shapes, quadrature
+from vehicledyn.multibody.bodies.beam_shapes import Shapes, points_of_a_part, quadrature
 from vehicledyn.multibody.bodies.curved_axis import CurvedAxis
 from vehicledyn.multibody.bodies.section_loads import SectionLoads
 from vehicledyn.multibody.model.deformation import Deflection, Flexibility, Slice, TurningInertia
@@ -102,16 +103,21 @@ class ExactBeam(Flexibility):
         own = _turning(self.properties.start)
         return any(not ops.is_structurally_zero(item) for item in own)
 
+    @cached_property
+    def breaks(self) -> tuple[float, ...]:
+        """Places at which shapes have kinks, ascending."""
+        return tuple(sorted({a for item in self.by_direction.values() for a in item.breaks}))
+
     @property
     def points(self) -> int:
-        """Number of points of the quadrature."""
+        """Number of points of the quadrature of shapes without kinks."""
         most = max(item.points for item in self.by_direction.values()) + _SPARE
         most += 0 if self.axis is None else _CURVED_POINTS
         return most if self.properties.is_uniform else most + TAPER_POINTS
 
     @cached_property
     def _nodes(self) -> tuple[Array, Array]:
-        return quadrature(self.points)
+        return quadrature(points_of_a_part(self.points, len(self.breaks)), self.breaks)
 
     def _angles(self, place: float, derivative: int = 0) -> dict[str, Array]:
         """Return what a unit amplitude gives angle or strain, without 1/L, by direction."""
@@ -142,13 +148,15 @@ class ExactBeam(Flexibility):
         return bool(self.ranges["y"]), bool(self.ranges["z"]), bool(self.ranges["twist"])
 
     def _weights(self, place: float) -> Array:
-        """Return the weights that integrate over the nodes from 0 to a place, shape (points,)."""
-        nodes, _ = self._nodes
-        size = len(nodes)
-        within, shares = quadrature(size)
-        basis = legendre.legvander(2.0 * nodes - 1.0, size - 1)
-        integrals = shares @ legendre.legvander(2.0 * place * within - 1.0, size - 1) * place
-        return np.asarray(np.linalg.solve(basis.T, integrals))
+        """Return the weights that integrate over the nodes from 0 to a place, shape (nodes,)."""
+        size = points_of_a_part(self.points, len(self.breaks))
+        nodes, shares = quadrature(size)
+        basis, found = legendre.legvander(2.0 * nodes - 1.0, size - 1), []
+        for begin, end in pairwise((0.0, *self.breaks, 1.0)):
+            part = min(max((place - begin) / (end - begin), 0.0), 1.0)
+            integrals = shares @ legendre.legvander(2.0 * part * nodes - 1.0, size - 1) * part
+            found.append((end - begin) * np.linalg.solve(basis.T, integrals))
+        return np.concatenate(found)
 
     def _place(self, weights: Array, sections: Sequence[_Section]) -> tuple[Vec, dict[int, Vec]]:
         """Return a point of the axis and its derivatives from the sections at the nodes."""

@@ -46,8 +46,7 @@ def coarse_foundations(prepared: Prepared) -> list[str]:
         if beam.foundation is None or beam.model == "segments":
             continue
         for name, missing, count in _missing(beam, system, prepared):
-            cure = "'basis: attached'" if beam.model == "modes" else "more modes"
-            cure = f"{cure}, two beams that begin there, or 'model: segments'"
+            cure = "'basis: attached', two beams that begin there, or 'model: segments'"
             if name == _MIDDLE:
                 cure = "more modes, or 'basis: sines' where the ends are hinged"
             found.append(

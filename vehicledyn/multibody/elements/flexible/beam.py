@@ -29,6 +29,7 @@ from vehicledyn.multibody.bodies.beam_shapes import (
     assumed_shapes,
     free_shapes,
     hinged_shapes,
+    points_of_a_part,
 )
 from vehicledyn.multibody.bodies.curved_axis import CurvedAxis
 from vehicledyn.multibody.bodies.exact_beam import DIRECTIONS, ExactBeam
@@ -195,18 +196,12 @@ class Beam(BasePart):
         """The beam with its foundation; None of one without."""
         if self.foundation is None:
             return None
-        breaks = self._segmented.joints if self.model == "segments" else self._kinked
-        points = POINTS_OF_A_SEGMENT
+        breaks, points = self._segmented.joints, POINTS_OF_A_SEGMENT
         if self.model != "segments":
-            parts = len(breaks) + 1
-            points = self._modal.points if parts == 1 else -(-self._modal.points // parts) + 2
+            breaks = list(self._modal.breaks)
+            points = points_of_a_part(self._modal.points, len(breaks))
         line = (self.at, self.direction, self.upwards)
         return FoundedBeam(self.name, self.length, self.body, self.foundation, points, breaks, line)
-
-    @property
-    def _kinked(self) -> Sequence[float]:
-        """Places at which its shapes have kinks."""
-        return self._modal.breaks if isinstance(self._modal, ModalBeam) else ()
 
     @property
     def _own_frames(self) -> dict[str, float]:

@@ -144,16 +144,12 @@ def _check_modes(beam: Any) -> None:
 
 def _check_attached(beam: Any) -> None:
     """Refuse shapes with kinks where energies are summed over points that know nothing of them."""
-    if beam.basis != "attached":
+    if beam.basis != "attached" or beam.model != "modes":
         return
-    if beam.model == "exact":
-        raise InputError(
-            "basis: attached shapes are for 'model: modes'; give 'basis: polynomials', or two "
-            "beams that begin where the load is"
-        )
     if beam.end_section is not None or beam.end_stiffness is not None:
         raise InputError(
-            "basis: attached shapes are those of a uniform beam; give 'basis: polynomials'"
+            "basis: attached shapes of 'model: modes' are those of a uniform beam; give "
+            "'basis: polynomials' or 'model: exact'"
         )
 
 
