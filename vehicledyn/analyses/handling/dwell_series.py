@@ -105,8 +105,8 @@ def _figures(sides: dict[str, list[_Judged]]) -> Iterator[KeyFigure]:
         yield KeyFigure(_NAME, f"last_amplitude_{side}", run.amplitude, "1", words)
     yield KeyFigure(_NAME, "runs", len(everything), "1", "Number of runs to both sides")
     for name, words in (
-        ("first", "Largest yaw rate 1 s after the end over its peak"),
-        ("second", "Largest one 1.75 s after the end over its peak"),
+        ("first", "Largest yaw rate 1 s after the end over its peak, at most 0.35 (S5.2.1)"),
+        ("second", "Largest one 1.75 s after the end over its peak, at most 0.20 (S5.2.2)"),
     ):
         ratios = [getattr(run.verdict, f"{name}_ratio") for run in everything]
         known = [ratio for ratio in ratios if math.isfinite(ratio)]
@@ -115,5 +115,5 @@ def _figures(sides: dict[str, list[_Judged]]) -> Iterator[KeyFigure]:
     aside = [run.verdict.displacement for run in everything if run.amplitude >= _RESPONDS_FROM]
     known = [displacement for displacement in aside if math.isfinite(displacement)]
     if known:
-        words = "Least displacement of the centre of mass 1.07 s after the begin, from 5 A on"
+        words = "Least displacement of the centre of mass 1.07 s after the begin, from 5 A (S5.2.3)"
         yield KeyFigure(_NAME, "lateral_displacement", min(known), "m", words)

@@ -37,18 +37,23 @@ def summarise_vibration(found: Vibration) -> Iterator[SummaryEntry]:
     """
     for direction, axis in found.axes.items():
         for key, value, unit, words in (
-            ("weighted", axis.rms, "m/s^2", "Weighted {} acceleration, rms (ISO 2631-1)"),
-            ("mtvv", axis.transient, "m/s^2", "Largest running rms of 1 s, {} (ISO 2631-1)"),
-            ("vdv", axis.dose, "m/s^1.75", "Vibration dose value, {} (ISO 2631-1)"),
-            ("crest_factor", axis.crest_factor, "1", "Crest factor, {} (ISO 2631-1)"),
+            ("weighted", axis.rms, "m/s^2", "Weighted {} acceleration, rms (ISO 2631-1:1997, 6.1)"),
+            (
+                "mtvv",
+                axis.transient,
+                "m/s^2",
+                "Largest rms of 1 s, {} (ISO 2631-1:1997, 6.3.1)",
+            ),
+            ("vdv", axis.dose, "m/s^1.75", "Vibration dose value, {} (ISO 2631-1:1997, 6.3.2)"),
+            ("crest_factor", axis.crest_factor, "1", "Crest factor, {} (ISO 2631-1:1997, 6.2.1)"),
         ):
             if math.isfinite(value):
                 name = f"{found.name}.{key}_{direction}"
                 yield SummaryEntry(name, value, unit, words.format(direction))
     if found.total is not None:
-        words = "Vibration total value, rms of all directions (ISO 2631-1)"
+        words = "Vibration total value, rms of all directions (ISO 2631-1:1997, 6.5)"
         yield SummaryEntry(f"{found.name}.vibration_total", found.total, "m/s^2", words)
-        words = "Likely reaction in public transport (ISO 2631-1)"
+        words = "Likely reaction in public transport (ISO 2631-1:1997, C.2.3)"
         yield SummaryEntry(f"{found.name}.reaction", found.reaction, "", words)
 
 
