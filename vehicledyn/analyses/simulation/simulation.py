@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyses.preparation.doubts.bent_beams import BentBeams
-from vehicledyn.analyses.preparation.doubts.coarse_foundations import coarse_foundations
+from vehicledyn.analyses.preparation.doubts.coarse_shapes import coarse_shapes
 from vehicledyn.analyses.preparation.doubts.rounded_kinks import rounded_kinks
 from vehicledyn.analyses.preparation.mass_checks import constraint_notes, hardly_resisted
 from vehicledyn.analyses.preparation.model_hash import model_hash
@@ -123,7 +123,7 @@ def run_scenario(
         notes.extend(moved_starts(prepared, start))
     else:
         notes.extend(filter(None, [start.remark, *rounded_kinks(prepared, start)]))
-    notes.extend([*standing_wheels(prepared, start), *coarse_foundations(prepared)])
+    notes.extend([*standing_wheels(prepared, start), *coarse_shapes(prepared)])
     notes.extend(unsteady_contacts(prepared, start))
     notes.extend(kinked_drives(prepared.subject, loaded.scenario.duration))
     notes.extend(run_remarks(loaded, prepared))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from vehicledyn.analyses.preparation.doubts.bent_beams import bent_at
-from vehicledyn.analyses.preparation.doubts.coarse_foundations import coarse_foundations
+from vehicledyn.analyses.preparation.doubts.coarse_shapes import coarse_shapes
 from vehicledyn.analyses.preparation.doubts.rounded_kinks import rounded_kinks
 from vehicledyn.analyses.preparation.prepare import Point
 from vehicledyn.analyses.preparation.prepared import Prepared
@@ -16,4 +16,4 @@ def doubts_at(prepared: Prepared, point: Point) -> list[str]:
 
 def doubtful_beams(prepared: Prepared, point: Point) -> list[str]:
     """Return a sentence about each beam whose shapes do not hold for what happens at a point."""
-    return [*bent_at(prepared, point), *coarse_foundations(prepared)]
+    return [*bent_at(prepared, point), *coarse_shapes(prepared)]

@@ -1,4 +1,4 @@
-"""Warn of beams on foundations whose shapes do not follow how a force at a place sinks in."""
+"""Warn of beams whose shapes do not follow what a load at a place does there."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-COARSE = 5e-3
-"""Part by which a place may sink too little under a force there."""
+SINKS_LESS, TWISTS_LESS = 5e-3, 0.05
+"""Parts by which a place may sink or twist too little under a load there."""
 
 _MIDDLE = "its middle"
 """Where forces are judged that travel along a beam."""
@@ -30,11 +30,12 @@ _FINE, _POINTS = 40, 48
 """Degree of the polynomials that shapes are compared with, and points of a quadrature."""
 
 
-def coarse_foundations(prepared: Prepared) -> list[str]:
-    """Return a warning for each beam that sinks too little where something acts on it.
+def coarse_shapes(prepared: Prepared) -> list[str]:
+    """Return a warning for each beam that yields too little where something acts on it.
 
-    As in :func:`sinks`, with the parameters of the prepared system. Foundations whose line lies
-    askew to the beam are not judged.
+    That is the twist under a torque, and how a beam sinks into its foundation as in :func:`sinks`,
+    with the parameters of the prepared system. Foundations whose line lies askew to the beam are
+    not judged.
     """
     system = getattr(prepared.subject, "system", None)
     if system is None or not any(hasattr(part, "foundation") for part in system.parts):
@@ -43,45 +44,65 @@ def coarse_foundations(prepared: Prepared) -> list[str]:
 
     found = []
     for beam in (part for part in system.parts if isinstance(part, Beam)):
-        if beam.foundation is None or beam.model == "segments":
+        loaded = {} if beam.model == "segments" else _loaded(beam, system)
+        if not loaded:
             continue
-        for name, missing, count in _missing(beam, system, prepared):
-            cure = "'basis: attached', two beams that begin there, or 'model: segments'"
+        cure = "take 'basis: attached', two beams that begin there, or 'model: segments'"
+        for name, missing, count in _sinking(beam, loaded, system, prepared):
             if name == _MIDDLE:
-                cure = "more modes, or 'basis: sines' where the ends are hinged"
+                cure = "take more modes, or 'basis: sines' where the ends are hinged"
             found.append(
                 f"warning: beam '{beam.name}': under a force at {name} it sinks "
-                f"{100.0 * missing:.2g} % too little with {count} shapes on its foundation; "
-                f"take {cure}"
+                f"{100.0 * missing:.2g} % too little with {count} shapes on its foundation; {cure}"
+            )
+        for name, missing, count in _twisting(beam, loaded):
+            found.append(
+                f"warning: beam '{beam.name}': under a torque at {name} it twists "
+                f"{100.0 * missing:.2g} % too little there with {count} shapes; {cure}"
             )
     return found
 
 
-def _missing(beam: Beam, system: System, prepared: Prepared) -> Iterator[tuple[str, float, int]]:
-    """Yield the worst place of each direction of bending, by how much it sinks too little."""
+def _twisting(beam: Beam, loaded: dict[str, float]) -> Iterator[tuple[str, float, int]]:
+    """Yield the worst place, by how much it twists too little, and the number of shapes."""
+    shapes, parts = beam.shapes_of("twist"), {}
+    for name, place in loaded.items() if shapes.count else ():
+        if name != _MIDDLE and place > 0.0:
+            twist = shapes.values(place)
+            parts[name] = 1.0 - float(twist @ (twist / shapes.stiffness)) / place
+    yield from _worst(parts, TWISTS_LESS, shapes.count)
+
+
+def _worst(parts: dict[str, float], least: float, count: int) -> Iterator[tuple[str, float, int]]:
+    """Yield the largest of some parts if it is above the least."""
+    name = max(parts, key=lambda name: parts[name], default="")
+    if name and parts[name] > least:
+        yield name, parts[name], count
+
+
+def _sinking(
+    beam: Beam, loaded: dict[str, float], system: System, prepared: Prepared
+) -> Iterator[tuple[str, float, int]]:
+    """Yield the same of each direction of bending, of what sinks too little."""
     foundation = beam.foundation
     if foundation is None or foundation.direction is not None or foundation.upwards is not None:
         return
-    table = system.table
-    symbols = ops.column([entry.symbol for entry in table.entries])
+    symbols = ops.column([entry.symbol for entry in system.table.entries])
     moduli = [beam.properties.mean(d) for d in ("y", "z")]
     numbers = ops.column([beam.length, *moduli, *foundation.stiffness[1:]])
     values = ops.numeric([symbols], numbers)(prepared.kernel.parameters)[:, 0]
-    loaded = _loaded(beam, system)
+    held = foundation.begin, foundation.end
     for k, direction in enumerate(("y", "z")):
         shapes = beam.shapes_of(direction)
         stiff, bed = values[1 + k], values[3 + k] * values[0] ** 4
-        if not loaded or not shapes.count or not stiff > 0.0 or not bed > 0.0:
+        if not shapes.count or not stiff > 0.0 or not bed > 0.0:
             continue
-        held = foundation.begin, foundation.end
         parts = {
             name: 1.0
             - sinks(place, bed / stiff, held, shapes) / sinks(place, bed / stiff, held, None)
             for name, place in loaded.items()
         }
-        worst = max(parts, key=lambda name: parts[name])
-        if parts[worst] > COARSE:
-            yield worst, parts[worst], shapes.count
+        yield from _worst(parts, SINKS_LESS, shapes.count)
 
 
 def _loaded(beam: Beam, system: System) -> dict[str, float]:
@@ -102,11 +123,14 @@ def _loaded(beam: Beam, system: System) -> dict[str, float]:
 
 def _words(item: Any) -> Iterator[str]:
     """Yield the words that an element holds, of which some name bodies."""
-    for known in fields(item) if is_dataclass(item) else ():
-        value = getattr(item, known.name, None)
-        for entry in value if isinstance(value, tuple | list) else (value,):
-            if isinstance(entry, str):
-                yield entry
+    if isinstance(item, str):
+        yield item
+    elif isinstance(item, tuple | list):
+        for entry in item:
+            yield from _words(entry)
+    elif is_dataclass(item):
+        for known in fields(item):
+            yield from _words(getattr(item, known.name, None))
 
 
 def sinks(place: float, bed: float, held: tuple[float, float], shapes: Shapes | None) -> float:
