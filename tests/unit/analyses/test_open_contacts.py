@@ -24,13 +24,14 @@ elements:
     touching: {touching}
 initial: {{tappet.height: {height}{more}}}
 """
+SOLVER = {"kind": "dop853", "relative_tolerance": 1e-11, "absolute_tolerance": 1e-12}
+EACH = {"interval": "0.1 ms"}
 
 
 def run(folder, height, touching, more=""):
     path = folder / "model.yaml"
     path.write_text(DROP.format(height=height, touching=touching, more=more))
-    solver = {"kind": "dop853", "relative_tolerance": 1e-11, "absolute_tolerance": 1e-12}
-    return vd.simulate(path, duration="0.1 s", solver=solver, backend="interpreted")
+    return vd.simulate(path, duration="0.1 s", solver=SOLVER, backend="interpreted")
 
 
 @pytest.mark.parametrize(
@@ -55,3 +56,25 @@ def test_a_gap_that_closes_while_the_bodies_touch_is_told(tmp_path):
 def test_a_flight_ends_with_an_impact(tmp_path):
     hits = [e.time for e in run(tmp_path, "60 mm", "false").events if e.name == "contact.hits"]
     assert hits[0] == pytest.approx((2.0 * 0.02 / 9.81) ** 0.5, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("solver", "told"),
+    [
+        (
+            SOLVER,
+            "last 100 steps.*make an impact an event, soften the contact, or take an implicit",
+        ),
+        ({"kind": "rk4", "step": "0.1 ms"}, "diverges with a step of 0.1 ms; take a shorter step"),
+    ],
+)
+def test_an_impact_that_no_step_resolves_is_told_with_a_remedy(tmp_path, solver, told):
+    """The step that rk4 is stable with at the start is the run's own."""
+    stiff = (
+        "kind: cam_contact\n    stiffness: 1e18 N/m\n    exponent: 1.5\n    dissipation: 1e6 s/m"
+    )
+    text = DROP.replace("kind: cam_impact", stiff).replace("    touching: {touching}\n", "")
+    path = tmp_path / "model.yaml"
+    path.write_text(text.format(height="60 mm", more=""))
+    with pytest.warns(vd.UnfinishedWarning, match=told):
+        vd.simulate(path, duration="0.1 s", solver=solver, output=EACH, backend="interpreted")

@@ -215,7 +215,8 @@ class WatchedRun:
         column = int(np.argmax(~(np.abs(state) <= limits)))
         grown = kernel.equations.states[column]
         step = self.stable_step() if self.places else None
-        advice = "a shorter step" if step is None else f"a step of {step * 1e3:.4g} ms"
+        is_known = step is not None and step < self.grid.step
+        advice = f"a step of {step * 1e3:.4g} ms" if is_known else "a shorter step"
         return (
             f"state '{grown.name}' is {state[column]:.3g} {grown.unit} at t = {time:.9g} s: the "
             f"integration diverges with a step of {self.grid.step * 1e3:.4g} ms; take {advice}"

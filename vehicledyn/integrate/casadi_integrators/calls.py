@@ -54,5 +54,6 @@ def stopped_between(
     return NumericalError(
         f"integration stopped between t = {times[0]:.9g} s and "
         f"{times[1]:.9g} s: the steps became too small or too many; "
-        f"state '{steepest_state(task.kernel, times[0], state, unknowns)}' changes fastest there"
+        f"state '{steepest_state(task.kernel, times[0], state, unknowns)}' changes fastest there; "
+        "make an impact an event, soften the contact, or loosen the tolerances"
     )

@@ -18,6 +18,7 @@ from vehicledyn.kernel.kernel import Kernel
 
 _STALLED, _CRAWL = 100, 1e-3
 """Steps that must not together be shorter than this part of the longest."""
+_REMEDY = "; make an impact an event, soften the contact, or take an implicit solver"
 _HOPELESS, _MOST_STEPS = 1000, 1e9
 """Steps after which the rest of the run must not need more than so many at their mean size."""
 _WAYPOINTS = 8
@@ -188,7 +189,7 @@ def _advance(solver: Any, rates: _Rates, task: Task) -> None:
         raise NumericalError(
             f"integration stopped at t = {solver.t:.9g} s: {reason}; "
             f"state '{steepest_state(task.kernel, solver.t, solver.y, rates.accepted)}' "
-            "changes fastest there"
+            f"changes fastest there{'' if rates.trouble else _REMEDY}"
         )
     # The last rates of a step are those at its end.
     rates.accept(solver.t, solver.y)
@@ -203,7 +204,7 @@ def _check_advance(task: Task, rates: _Rates, solver: Any, sizes: list[float]) -
             f"integration stopped at t = {solver.t:.9g} s: the last {_STALLED} steps together "
             f"advanced {sum(sizes[-_STALLED:]):.3g} s; "
             f"state '{steepest_state(task.kernel, solver.t, solver.y, rates.accepted)}' "
-            "changes fastest there"
+            f"changes fastest there{_REMEDY}"
         )
 
 
