@@ -36,7 +36,7 @@ def sensitivity(
     ----------
     scenario
         Path or name of a scenario or model, a System, or what :func:`vehicledyn.load` returned;
-        of ``tyre(...)`` a tyre property file.
+        of ``tyre(...)`` a tyre property file, of ``profiles(...)`` a wheel profile.
     of
         Key figures of the run, channels, or figures of channels such as ``max(chassis.roll)``;
         or of the linearised model: ``eigenvalues``, ``mode_shapes``, ``critical_speed`` and
@@ -50,7 +50,8 @@ def sensitivity(
         ``inverse(crank.angle.work)``; or of an axle on the suspension rig, such as
         ``rig(left.toe_gain, parallel)`` and ``rig(left.camber, roll, -2 deg:2 deg:4)``;
         or of steady cornering, such as ``steady(understeer_gradient, constant_radius)``; or of a
-        tyre file, such as ``tyre(lateral_force, 4000 N, slip_angle=4 deg)``.
+        tyre file, such as ``tyre(lateral_force, 4000 N, slip_angle=4 deg)``, or of a wheel
+        profile, such as ``profiles(radius_difference, 2 mm, rail=60E1)``.
     to
         Parameters, by patterns such as ``parameters.front.*``, and start values of states, such
         as ``start.chassis.y``.

@@ -54,7 +54,7 @@ def conicities(
 
     try:
         level, rolled = (
-            _differences(wheelset, yaw, float(np.max(amplitudes)), method, is_enough)
+            differences_at(wheelset, yaw, float(np.max(amplitudes)), method, is_enough)
             for method in (stand_level, stand)
         )
     except InputError as error:
@@ -68,7 +68,7 @@ def conicities(
     return dict(zip(NAMES, values, strict=True)), []
 
 
-def _differences(
+def differences_at(
     wheelset: WheelsetOnTrack,
     yaw: float,
     amplitude: float,

@@ -89,6 +89,25 @@ def find_contact_geometry(
     """
     _check_amplitudes(request.amplitudes)
     progress("reading profiles")
+    wheelset, wheels, rails = placed(request)
+    facts = replace(request, reading=request.reading.model_dump_json())  # type: ignore[arg-type]
+    measured = [profile.measured and profile.measured.points for profile in (*wheels, *rails)]
+    memory = (kept or KeptWork()).memory("profiles", facts, measured, kinds=(Standing, Touch))
+    wheelset = replace(wheelset, memory=memory)
+    progress("finding contact points")
+    standing, lost = standings(wheelset, request.shifts, request.yaw)
+    table = _table(request, wheelset, standing, lost, profiles=(*wheels, *rails), progress=progress)
+    return ContactReport(table)
+
+
+def placed(request: ContactRequest) -> tuple[WheelsetOnTrack, list[Profile], list[Profile]]:
+    """Return wheels on their rails, and the profiles of wheels and rails, left before right.
+
+    Raises
+    ------
+    InputError
+        If a profile cannot be read, or the wheelset does not fit the gauge.
+    """
     wheels = _opened(request.wheels, "wheel", request.reading)
     rails = _opened(request.rails, "rail", request.reading)
     wheelset = _placed(request, wheels, rails)
@@ -100,14 +119,7 @@ def find_contact_geometry(
             f"{argument('flange_back')} "
             f"{1e3 * request.flange_back:g} are taken: give what belongs to the gauge, in mm"
         ) from None
-    facts = replace(request, reading=request.reading.model_dump_json())  # type: ignore[arg-type]
-    measured = [profile.measured and profile.measured.points for profile in (*wheels, *rails)]
-    memory = (kept or KeptWork()).memory("profiles", facts, measured, kinds=(Standing, Touch))
-    wheelset = replace(wheelset, memory=memory)
-    progress("finding contact points")
-    standing, lost = standings(wheelset, request.shifts, request.yaw)
-    table = _table(request, wheelset, standing, lost, profiles=(*wheels, *rails), progress=progress)
-    return ContactReport(table)
+    return wheelset, wheels, rails
 
 
 def _check_amplitudes(amplitudes: Sequence[float]) -> None:

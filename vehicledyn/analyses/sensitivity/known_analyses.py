@@ -87,6 +87,12 @@ def _tyre() -> Loaded:
     return find_tyre_sensitivity, ()
 
 
+def _profiles() -> Loaded:
+    from vehicledyn.analyses.sensitivity.contact_figures import find_contact_sensitivity
+
+    return find_contact_sensitivity, ()
+
+
 def _run() -> Loaded:
     from vehicledyn.analyses.sensitivity import motion, motion_study
 
@@ -109,6 +115,7 @@ ANALYSES = {
     "rig": Analysis(_called("rig"), _rig),
     "steady": Analysis(_called("steady"), _steady),
     "tyre": Analysis(_called("tyre"), _tyre, subject="file"),
+    "profiles": Analysis(_called("profiles"), _profiles, subject="file"),
     RUN: Analysis(lambda _: True, _run, subject="scenario"),
 }
 """Analyses by name; a figure belongs to the first that owns its name."""

@@ -32,7 +32,7 @@ def sensitivity(
             "'gain(OUTPUT, INPUT, 1.5 Hz)', 'phase(...)', 'kinematics(CHANNEL, DRIVE, VALUES)', "
             "'inverse(CHANNEL)', 'rig(QUANTITY, TEST, VALUES)', "
             "'steady(QUANTITY, METHOD, VALUES)', of a tyre file 'tyre(FORCE, LOAD, "
-            "slip_angle=4 deg)'; "
+            "slip_angle=4 deg)', of a wheel profile 'profiles(roll, 2 mm, rail=60E1)'; "
             "may be repeated.",
         ),
     ],

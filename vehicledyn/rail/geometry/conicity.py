@@ -209,6 +209,52 @@ def equivalent_conicity(
     )
 
 
+def conicity_slope(table: RadiusDifference, slopes: Floats, amplitude: float) -> Floats:
+    """Return the derivatives of tan γ_e by integration, shape (n_parameters,).
+
+    The turning points move so that the integrals over the middle stay alike; e and r cancel.
+
+    Parameters
+    ----------
+    table
+        Rolling radius difference.
+    slopes
+        Its derivatives at the shifts of the table, shape (n, n_parameters).
+    amplitude
+        An amplitude of which there is a motion [m].
+    """
+    path = free_path(table, amplitude, 1.0, 1.0)
+    if path is None or not np.isfinite(path.wavelength):
+        return np.full(slopes.shape[1], np.nan)
+    angles = (np.arange(_NODES) + 0.5) / _NODES * np.pi - 0.5 * np.pi
+    shifts = path.left - amplitude + amplitude * np.sin(angles)
+    ends = np.array([path.left, path.right])
+    steps = np.diff(table.shift)[:, None]
+    sums = np.vstack(
+        [np.zeros(slopes.shape[1]), np.cumsum(0.5 * steps * (slopes[1:] + slopes[:-1]), axis=0)]
+    )
+    moved = _integrals(table.shift, slopes, sums, np.concatenate([shifts, ends]))
+    inner, outer = moved[:-2], moved[-2:]
+    at_ends, inside = table.at(ends), table.at(shifts)
+    left = -(outer[0] - outer[1]) / (at_ends[0] - at_ends[1])
+    level = 0.5 * (outer[0] + outer[1]) + 0.5 * (at_ends[0] + at_ends[1]) * left
+    below = float(np.mean(table.integral(ends))) - table.integral(shifts)
+    by_parameter = level - inner - inside[:, None] * left
+    weights = np.cos(angles) / np.sqrt(below)
+    part = -0.5 * (weights / below) @ by_parameter / np.sum(weights)
+    value = (np.pi / path.wavelength) ** 2 * 2.0
+    return np.asarray(-2.0 * value * part)
+
+
+def _integrals(shift: Floats, slopes: Floats, sums: Floats, places: Floats) -> Floats:
+    """Return integrals from the first shift on of functions linear between shifts."""
+    part = np.clip(np.searchsorted(shift, places) - 1, 0, len(shift) - 2)
+    along = (places - shift[part])[:, None]
+    share = along / (shift[part + 1] - shift[part])[:, None]
+    here = slopes[part] + share * (slopes[part + 1] - slopes[part])
+    return np.asarray(sums[part] + along * 0.5 * (slopes[part] + here))
+
+
 def harmonic_conicity(table: RadiusDifference, amplitudes: Floats) -> Floats:
     """Return the conicity of harmonic linearisation about the middle, shape (n,) [1].
 

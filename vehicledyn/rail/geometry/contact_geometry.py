@@ -170,6 +170,82 @@ def place_rail(profile: Profile, inclination: float, gauge: float, gauge_depth: 
     return Rail(profile, inclination, (across, -top), surface)
 
 
+def rail_rates(rail: Rail, gauge_depth: float, y: float) -> dict[str, tuple[float, float]]:
+    """Return how height and slope of a placed rail at a place y follow its measures.
+
+    The rail turns about the axis of its profile with the inclination, while its crown keeps its
+    height and its gauge face its place.
+
+    Parameters
+    ----------
+    rail
+        A rail as from :func:`place_rail`.
+    gauge_depth
+        Depth below the top down to which the gauge is measured [m].
+    y
+        Place from the middle of the track [m].
+
+    Returns
+    -------
+    dict
+        By "gauge" [m], "gauge_depth" [m] and "inclination" [rad].
+    """
+    surface, (across, sunk) = rail.surface, rail.origin
+    count = int(np.ceil((surface.end - surface.begin) / _RAIL_STEP)) + 1
+    places = np.linspace(surface.begin, surface.end, count)
+    crown = _crown(surface, places) - across
+    by_angle, by_depth = _face_rates(rail, crown, gauge_depth)
+    r, slope, bend = (float(row[0]) for row in surface.values(np.array([y])))
+    over, aside = -(r - sunk) - by_angle, (y - across) - crown
+    return {
+        "gauge": (-0.5 * slope, -0.5 * bend),
+        "gauge_depth": (slope * by_depth, bend * by_depth),
+        "inclination": (aside - slope * over, 1.0 + slope * slope - bend * over),
+    }
+
+
+def _crown(surface: Table, places: Floats) -> float:
+    """Return where a surface is highest."""
+    best = int(np.argmax(surface.height(places)))
+    y = float(places[best])
+    for _ in range(_REFINEMENTS):
+        _, slope, bend = (float(row[0]) for row in surface.values(np.array([y])))
+        if not bend < 0.0:
+            break
+        y -= slope / bend
+    return y
+
+
+def _face_rates(rail: Rail, crown: float, gauge_depth: float) -> tuple[float, float]:
+    """Return how the gauge face of a leaning rail moves with inclination and depth [m/rad, 1].
+
+    ``crown`` is where it is highest, from the axis of the profile [m].
+    """
+    across, top = rail.origin[0], -rail.origin[1]
+    surface, level = rail.surface, top - gauge_depth
+    count = int(np.ceil((surface.end - surface.begin) / _RAIL_STEP)) + 1
+    places = np.linspace(surface.begin, surface.end, count)
+    face = _gauge_face(surface, places, -gauge_depth)
+    if face > surface.begin:
+        slope = float(surface.values(np.array([face]))[1][0])
+        rise = (face - across) + slope * level
+        return (crown - rise) / slope, -1.0 / slope
+    profile, c, s = rail.profile, np.cos(rail.inclination), np.sin(rail.inclination)
+    y = np.linspace(profile.begin, profile.end, int((profile.end - profile.begin) / _FACE_STEP) + 2)
+    z = profile.height(y)
+    up, out = s * y + c * z, c * y - s * z
+    above = np.flatnonzero(up >= level)
+    if above[np.argmin(out[above])] != above[0] or above[0] == 0:
+        return -float(up[above[np.argmin(out[above])]]), 0.0
+    at = float(y[above[0]])
+    for _ in range(_REFINEMENTS):
+        height, steep = float(profile.height(at)), float(profile.slope(at))
+        at -= (s * at + c * height - level) / (s + c * steep)
+    height, steep = float(profile.height(at)), float(profile.slope(at))
+    lean = (c - s * steep) / (s + c * steep)
+    return -level + lean * (crown - (c * at - s * height)), -lean
+
+
 def _highest(surface: Table, places: Floats) -> float:
     heights = surface.height(places)
     best = int(np.argmax(heights))
@@ -213,7 +289,8 @@ def silhouette(
     """Return the outline of a wheel in the view along the rail; nan where it has no such point.
 
     On a curve the rail turns away below the wheel: what is returned as y is the place at which
-    the wheel meets the rail's profile, y - κ x²/2, and the normal is square to the rail there.
+    the wheel meets the rail's profile, y - κ x²/2, and the normal is square to the rail there. It
+    is analytic in all numbers, so that steps into the complex plane differentiate it.
 
     Parameters
     ----------
@@ -235,7 +312,8 @@ def silhouette(
         down = (s_yaw - bend * x * c_yaw) * s_roll
         side = (s_yaw - bend * x * c_yaw) * c_roll
         with np.errstate(invalid="ignore"):
-            turn = np.arcsin(-slope * side / np.hypot(along, down)) + np.arctan2(down, along)
+            tilt = np.arcsin(-slope * side / np.sqrt(along * along + down * down))
+        turn = tilt + np.arctan(down / along)
         sine, cosine = np.sin(turn), np.cos(turn)
         x = -axial * s_yaw * c_roll + radius * (sine * c_yaw - cosine * s_yaw * s_roll)
     y = pose.lateral + axial * c_yaw * c_roll + radius * (sine * s_yaw + cosine * c_yaw * s_roll)
@@ -371,10 +449,14 @@ def _steeper(wheel: Wheel, rail: Rail, pose: Pose, place: Floats) -> tuple[Float
     """
     height, slope, _ = wheel.table.values(place)
     seen = silhouette(wheel, pose, place, height, slope)
+    return outward_slope(seen, pose, slope) - rail.surface.values(seen.y)[1], seen.y
+
+
+def outward_slope(seen: Silhouette, pose: Pose, slope: Floats) -> Floats:
+    """Return the slope dz/dy of an outline seen along the rail; ``slope`` is the profile's [1]."""
     c_roll, s_roll = np.cos(pose.roll), np.sin(pose.roll)
     c_yaw, s_yaw = np.cos(pose.yaw), np.sin(pose.yaw)
     sine, cosine = np.sin(seen.turn), np.cos(seen.turn)
     n_y = sine * s_yaw + cosine * c_yaw * s_roll - slope * c_yaw * c_roll
     n_z = -cosine * c_roll - slope * s_roll
-    outward = -n_y / n_z
-    return outward - rail.surface.values(seen.y)[1], seen.y
+    return np.asarray(-n_y / n_z)
