@@ -169,3 +169,16 @@ def test_a_rolling_wheel_loses_its_twist_within_its_patch():
     state = rig.state(z=LOADED, x_rate=3.0, spin_rate=3.0 / LOADED)
     state[rig["wheel.tyre.twist"]] = 0.1
     assert rig.rate(state)[rig["wheel.tyre.twist"]] == pytest.approx(-3.0 * 0.1 / 0.06, rel=1e-12)
+
+
+def test_a_patch_without_load_is_slow_enough_for_steps_of_a_millisecond():
+    """-2785 is the end of stability of rk4; the damping at low speed alone moved it by -2875."""
+    tyre = TyreOfFile(file="passenger_R0394_mf61.tir")
+    patch = ContactPatch(mass=1.5, half_length=A, longitudinal_damping=K, lateral_damping=K)
+    rig = Rig(turning=False, tyre=tyre, relaxation=patch, locked=True)
+    state = rig.state(z=0.4)  # in the air
+    place = rig["wheel.tyre.longitudinal_patch_velocity"]
+    step = np.zeros(len(state))
+    step[place] = 1e-3
+    slope = (rig.rate(state + step) - rig.rate(state - step))[place] / 2e-3
+    assert -2000.0 < slope < -1000.0

@@ -158,7 +158,7 @@ class DrivingTest(RoadManoeuvre):
             target,
             throttle,
             torque,
-            braking if own is None else _nothing,
+            braking if own is None else None,
             share,
             *gains,
             vehicle.drive,
@@ -235,7 +235,3 @@ class DrivingTest(RoadManoeuvre):
     ) -> Iterator[SummaryEntry]:
         """Yield the quantities of the test's standard."""
         yield from ()
-
-
-def _nothing(_: Situation) -> Scalar:
-    return 0.0

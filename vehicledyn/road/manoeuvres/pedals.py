@@ -5,17 +5,22 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+from vehicledyn.multibody.elements.driveline.friction_coupling import Friction
 from vehicledyn.multibody.model.parts import BasePart, Loads, Output, Situation, Wrench
 from vehicledyn.road.vehicle import Corner
 from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.equations import Channel, Variable
 from vehicledyn.symbolic.ops import Scalar
 
-_LOCKED = 2.0
-"""Wheel speed below which a brake torque falls to zero, so that a locked wheel stands [rad/s]."""
+STIFFNESS, DAMPING = 1e5, 100.0
+"""Of a brake that holds its wheel [N m/rad] and [N m s/rad]."""
 
 Law = Callable[[Scalar], Scalar]
 Seen = Callable[[Situation], Scalar]
+
+
+def _twist(corner: Corner) -> str:
+    return f"brake_twist_{corner.name}"
 
 
 def forward_speed(situation: Situation, body: str) -> Scalar:
@@ -34,7 +39,9 @@ class Pedals(BasePart):
     of the motion and a torque T_0 of time; it acts on the coordinate ``shaft`` where there is one,
     else equally on all wheels; it acts nowhere with ``by_throttle``, where a foot turns it into a
     pedal.
-    Each wheel is braked by M tanh(ω / 2 rad/s), M its part of the brake torque.
+    Each wheel is braked by dry friction with its part of the brake torque as limit, which sticks:
+    a car that has stopped on a slope does not creep
+    (:mod:`vehicledyn.multibody.elements.driveline.friction_coupling`).
     """
 
     chassis: str
@@ -42,7 +49,7 @@ class Pedals(BasePart):
     target: Seen
     throttle: Law
     torque: Law
-    brake: Seen
+    brake: Seen | None
     front_share: Scalar
     proportional_gain: Scalar
     integral_gain: Scalar
@@ -50,14 +57,22 @@ class Pedals(BasePart):
     by_throttle: bool = False
 
     def states(self) -> tuple[Variable, ...]:
-        """Return the integral of the speed error."""
-        return (Variable("speed_error_integral", "m", "Integral of the speed error"),)
+        """Return the integral of the speed error, and the twists of the brakes."""
+        integral = Variable("speed_error_integral", "m", "Integral of the speed error")
+        braked = () if self.brake is None else self.corners
+        words = "Twist of the brake's friction faces"
+        return (integral, *(Variable(_twist(c), "rad", f"{words}, {c.name}") for c in braked))
 
     def loads(self, situation: Situation) -> Loads:
         """Return the torques and the rate of the integral."""
         gate = self.throttle(situation.time)
         rates = {"speed_error_integral": gate * self._error(situation)}
-        forces = {corner.spin: self._brake(situation, corner) for corner in self.corners}
+        forces: dict[str, Scalar] = {}
+        for corner in self.corners if self.brake is not None else ():
+            rate, twist = situation.kinematics.rate(corner.spin), situation.states[_twist(corner)]
+            torque, twisting = self._limit(situation, corner).torque_and_rate(twist, rate)
+            forces[corner.spin] = -torque
+            rates[_twist(corner)] = twisting
         if self.by_throttle:
             return Loads(joint_forces=forces, rates=rates)
         if self.shaft:
@@ -74,19 +89,22 @@ class Pedals(BasePart):
         brake = Channel(f"{self.name}.brake_torque", "N*m", "Brake torque of all wheels together")
         return (
             Output(drive, self._drive(situation)),
-            Output(brake, ops.scalar(self.brake(situation))),
+            Output(brake, ops.scalar(self._braked(situation))),
         )
 
     def wanted(self, situation: Situation) -> Scalar:
         """Return the drive torque that is wanted, as another part sees it [N m]."""
         return self._drive(replace(situation, states=situation.all_states[self.name]))
 
-    def _brake(self, situation: Situation, corner: Corner) -> Scalar:
-        """Return the torque of a brake whose caliper is on the wheel's carrier [N m]."""
+    def _braked(self, situation: Situation) -> Scalar:
+        """Return the brake torque of all wheels together [N m]."""
+        return 0.0 if self.brake is None else self.brake(situation)
+
+    def _limit(self, situation: Situation, corner: Corner) -> Friction:
+        """Return the friction of a brake whose caliper is on the wheel's carrier."""
         share = self.front_share if corner.is_front else 1.0 - self.front_share
         alike = sum(other.is_front == corner.is_front for other in self.corners)
-        torque = self.brake(situation) * share / alike
-        return -torque * ops.tanh(situation.kinematics.rate(corner.spin) / _LOCKED)
+        return Friction(self._braked(situation) * share / alike, STIFFNESS, DAMPING)
 
     def _shafts(
         self, situation: Situation, corner: Corner, torque: Scalar

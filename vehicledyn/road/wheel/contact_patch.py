@@ -11,7 +11,8 @@ The steady law F gets κ' and α'; the wheel feels the force of the carcass. In 
 that of the law. The relaxation length comes out as slip stiffness over c, plus a; it falls with
 slip, and slip may change fast: the patch swings at √((C/a + c)/m). Below LOW_SPEED the carcass
 gets the further damping τ c, and bristles keep at most HOLDING_SLIP a, as the single contact point
-of :mod:`vehicledyn.road.wheel.relaxation`.
+of :mod:`vehicledyn.road.wheel.relaxation`; τ c is at most SLOWING m, so that a patch without
+load, which nothing but this damping moves, is no faster than one that swings on its tread.
 """
 
 from __future__ import annotations
@@ -35,6 +36,9 @@ from vehicledyn.road.wheel.slip import WheelMotion
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Variable
 from vehicledyn.symbolic.ops import Scalar
+
+SLOWING = 1500.0
+"""Largest rate at which the damping at low speed slows a patch by itself [1/s]."""
 
 SLIDING = (
     Variable("tyre.longitudinal_patch_velocity", "m/s", "Velocity of the patch along the wheel"),
@@ -99,7 +103,8 @@ class ContactPatch(WheelRelaxation):
         rates, held = {}, []
         for k, stiffness in enumerate(slips.carcass):
             rate = states[SLIDING[k].name] - above[k]
-            resistance = damping[k] + low * DAMPING_TIME * stiffness
+            added = ops.minimum(DAMPING_TIME * stiffness, SLOWING * self.mass)
+            resistance = damping[k] + low * added
             held.append(stiffness * states[DEFLECTIONS[k].name] + resistance * rate)
             rates[DEFLECTIONS[k].name] = rate
             rates[SLIDING[k].name] = (law[k] - held[k]) / self.mass

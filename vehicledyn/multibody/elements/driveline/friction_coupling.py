@@ -23,6 +23,22 @@ def _one(_: Situation) -> Scalar:
     return 1.0
 
 
+@dataclass(frozen=True)
+class Friction:
+    """Dry friction that sticks: its limit [N m], stiffness [N m/rad] and damping [N m s/rad]."""
+
+    limit: Scalar
+    stiffness: Scalar
+    damping: Scalar
+
+    def torque_and_rate(self, twist: Scalar, rate: Scalar) -> tuple[Scalar, Scalar]:
+        """Return the torque against a relative rate [rad/s], and the rate of the twist [rad/s]."""
+        most = ops.maximum(self.limit, 0.0)
+        torque = _within(self.stiffness * twist + self.damping * rate, most)
+        excess = twist - _within(twist, most / self.stiffness)
+        return torque, rate - excess / RELEASE_TIME
+
+
 @register("element_type", "friction_coupling")
 @dataclass(frozen=True, kw_only=True)
 class FrictionCoupling(BasePart):
@@ -61,13 +77,11 @@ class FrictionCoupling(BasePart):
 
     def loads(self, situation: Situation) -> Loads:
         """Return the torque on the coordinates and the rate of the twist."""
-        torque, rate, limit = self._state(situation)
-        twist = situation.states["twist"]
-        excess = twist - _within(twist, limit / self.stiffness)
+        torque, _, twisting = self._state(situation)
         forces = {self.coordinate: -torque}
         if self.other is not None:
             forces[self.other] = self.ratio(situation) * torque
-        return Loads(joint_forces=forces, rates={"twist": rate - excess / RELEASE_TIME})
+        return Loads(joint_forces=forces, rates={"twist": twisting})
 
     def outputs(self, situation: Situation) -> tuple[Output, ...]:
         """Return the torque and its power."""
@@ -79,13 +93,13 @@ class FrictionCoupling(BasePart):
         )
 
     def _state(self, situation: Situation) -> tuple[Scalar, Scalar, Scalar]:
-        """Return torque, relative rate and limit."""
+        """Return torque, relative rate and rate of the twist."""
         rate = situation.kinematics.rate(self.coordinate)
         if self.other is not None:
             rate = rate - self.ratio(situation) * situation.kinematics.rate(self.other)
-        limit = ops.maximum(self.limit(situation), 0.0)
-        trial = self.stiffness * situation.states["twist"] + self.damping * rate
-        return _within(trial, limit), rate, limit
+        friction = Friction(self.limit(situation), self.stiffness, self.damping)
+        torque, twisting = friction.torque_and_rate(situation.states["twist"], rate)
+        return torque, rate, twisting
 
 
 def _within(value: Scalar, most: Scalar) -> Scalar:
