@@ -1,10 +1,11 @@
-"""Tests of the standards that are driven to both sides, with drives that are made up."""
+"""Tests to both sides and at growing speeds, with drives that are made up."""
 
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from vehicledyn.analyses.handling import lane_changes
 from vehicledyn.analyses.handling import tip_up_search as search
 from vehicledyn.analyses.handling.dwell_series import dwell_series
 from vehicledyn.road.manoeuvres.speed_control import SpeedControl
@@ -56,3 +57,26 @@ def test_a_car_that_tips_up_to_one_side_tips_up(monkeypatch):
     assert found["tips_up"]
     assert found["safe_speed"] <= 17.3 < found["tip_up_speed"] <= 1.01 * found["safe_speed"] + 1e-9
     assert run == ("right", found["tip_up_speed"])
+
+
+@pytest.mark.parametrize(("best", "shown"), [(60.0, 60.0), (0.0, 50.0)])
+def test_a_lane_change_that_ends_in_standstill_is_no_failure(monkeypatch, best, shown):
+    """At 40 and 45 km/h the car stands before the end; from there on it passes up to a speed."""
+
+    def drive(tests, car, test, speed):
+        return SimpleNamespace(speed=3.6 * speed, ended_by="")
+
+    def figures(car, name, run):
+        passes = run.speed <= best + 0.1
+        return [] if run.speed < 49.0 else [SimpleNamespace(name="passed", value=float(passes))]
+
+    monkeypatch.setattr(lane_changes, "_drive", drive)
+    monkeypatch.setattr(lane_changes, "figures_of", figures)
+    monkeypatch.setattr(lane_changes, "_unfinished", lambda car, run: "it stands")
+    monkeypatch.setattr(lane_changes, "sheet_of", lambda run: run.speed)
+    tests = SimpleNamespace(figures=[], sheets={}, notes=[])
+    lane_changes._until_left(tests, CAR, "obstacle_avoidance", lambda speed: None)
+    assert tests.sheets["obstacle_avoidance"] == pytest.approx(shown)
+    assert [words.split(":")[0][-7:] for words in tests.notes] == ["40 km/h", "45 km/h"]
+    largest = [3.6 * f.value for f in tests.figures if f.name == "largest_speed"]
+    assert largest == (pytest.approx([best]) if best else [])

@@ -113,6 +113,27 @@ def test_the_path_of_the_obstacle_avoidance_cuts_corners_on_the_inside_of_the_th
     assert path.offsets[1] == path.offsets[2] < third.middle
 
 
+def test_a_lane_change_that_does_not_reach_its_end_has_no_verdict():
+    outline = ((1.8, 0.8), (-2.0, 0.8), (-2.0, -0.8), (1.8, -0.8))
+    car = SimpleNamespace(outline=outline)
+    driver = {"kind": "stanley", "gain": "3 Hz", "lag_frequency": "20 rad/s", "lag_damping": 0.8,
+              "rack_stop": "60 mm"}  # fmt: skip
+    test = find("manoeuvre", "obstacle_avoidance")(driver=driver, release_at=0.0, begin=0.0)
+    path = test.path(car)
+
+    def found(last):
+        x = np.linspace(-5.0, last, len(TIME))
+        y = np.interp(x, path.places, path.offsets)
+        recording = SimpleNamespace(channels={"driver.path_error": np.zeros_like(TIME)})
+        driven = signals(x=x, y=y)
+        return {e.name: e.value for e in test.quantities(driven, recording, car)}
+
+    assert "section 3" in found(25.0)["unfinished"]
+    assert "passed" not in found(25.0)
+    assert "unfinished" not in found(80.0)
+    assert "passed" in found(80.0)
+
+
 def test_a_sine_with_dwell_coasts_and_asks_less_of_a_heavy_car():
     assert SineDwellTest(amplitude=1.0).throttle().at(1.0) == 0.0
     aside = Verdict(0.1, 0.1, 1.6)

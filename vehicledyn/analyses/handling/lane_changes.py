@@ -29,6 +29,9 @@ _LARGEST_WHEEL_ANGLE = 0.6
 _BEGIN = 20.0
 _PREVIEW_TIME, _LONG_PREVIEW, _SHORT_PREVIEW = 0.8, 0.7, 0.5
 """Preview times on the straight, in the double lane change and in the quicker one [s]."""
+_MOST_TRIES, _AT_REST = 4, 0.5
+"""Runs of growing duration for a car that slows down, and the speed that is rest [m/s]."""
+
 _GENTLE = 0.5
 """Lateral acceleration of the turn that shows the stiffness [m/s²]."""
 
@@ -82,23 +85,38 @@ def _steer_on_split_friction(tests: StandardTests, car: TestedCar, torque: float
 def _until_left(
     tests: StandardTests, car: TestedCar, name: str, make: Callable[[float], LaneChangeTest]
 ) -> None:
-    """Drive a lane change at growing speeds; keep the last run that passes, or the first."""
-    passed = math.nan
+    """Drive a lane change at growing speeds; keep the last run that passes, or the first.
+
+    A run in which the car comes to rest before the end, as with much recuperation, shows nothing.
+    """
+    passed, kept, figures = math.nan, None, []
     for speed in SPEEDS[name]:
         run = _drive(tests, car, make(speed), speed)
         found = figures_of(car, name, run)
-        is_good = bool(next(f.value for f in found if f.name == "passed")) and not run.ended_by
-        if is_good or math.isnan(passed):
+        verdict = [bool(f.value) for f in found if f.name == "passed"]
+        is_good = any(verdict) and not run.ended_by
+        if kept is None or is_good or (math.isnan(passed) and verdict):
             kept, figures = run, found
-        if not is_good:
+        if not is_good and (verdict or run.ended_by):
             break
-        passed = speed
+        if is_good:
+            passed = speed
+        else:
+            words = f"{name.replace('_', ' ')} at {speed * 3.6:.0f} km/h"
+            tests.notes.append(f"{words}: no verdict: {_unfinished(car, run)}")
     tests.figures += figures
-    tests.sheets[name] = sheet_of(kept)
+    if kept is not None:
+        tests.sheets[name] = sheet_of(kept)
     if not math.isnan(passed):
         low, high = (round(SPEEDS[name][k] * 3.6) for k in (0, -1))
         words = f"Largest entry speed that passes, of {low} to {high} km/h in steps of 5"
         tests.figures.append(KeyFigure(name, "largest_speed", passed, "m/s", words))
+
+
+def _unfinished(car: TestedCar, run: DrivenTest) -> str:
+    """Return why a run of a lane change has no verdict, empty if it has one."""
+    entries = run.test.quantities(run.signals, run.recording, car.vehicle)
+    return next((str(e.value) for e in entries if e.name == "unfinished"), "")
 
 
 def driver_of(tests: StandardTests, speed: float, preview: float = _PREVIEW_TIME) -> MacAdam:
@@ -143,7 +161,13 @@ def _drive(tests: StandardTests, car: TestedCar, test: LaneChangeTest, speed: fl
     start = car.like(tests.solver.car, tests.straight_at(speed))
     end = test.lanes(car.vehicle)[2].end
     numbers = test.driver.numbers()  # type: ignore[attr-defined]
-    run = drive(car, test, start, (end + 8.0) / speed * 1.1, numbers)
+    duration = (end + 8.0) / speed * 1.1
+    run = drive(car, test, start, duration, numbers)
+    for _ in range(_MOST_TRIES):
+        if run.ended_by or run.signals.speed[-1] < _AT_REST or not _unfinished(car, run):
+            break
+        duration *= 1.5
+        run = drive(car, test, start, duration, numbers)
     if run.ended_by:
         tests.notes.append(f"{words}: {run.note()}; recorded until then")
     return run

@@ -60,6 +60,9 @@ SPLIT_SPEED, SPLIT_DECELERATION, SPLIT_DURATION = _MOTORWAY, 4.0, 12.0
 """Initial speed on split friction [m/s], what its brakes would give on even friction [m/s²], and
 how long a run takes; a mean deceleration of 2.5 m/s² stops the car in it [s]."""
 
+_JUST_BELOW = 0.995
+"""Part of a wanted level that counts as it [1]."""
+
 _PARTS_BRAKED = (1.0, 0.75, 0.5, 0.35)
 """Parts of the wanted deceleration that are tried where wheels lock before."""
 
@@ -313,7 +316,7 @@ class StandardTests:
     def _level(self, words: str, wanted: float, share: float) -> float:
         """Return the lateral acceleration of a test, a share of the largest steady one at most."""
         level = min(wanted, share * self._limit)
-        if level < wanted:
+        if level < _JUST_BELOW * wanted:
             self.notes.append(
                 f"{words}: at {level:.3g} m/s^2 in place of {wanted:g} m/s^2, since no steady turn "
                 f"exceeds {self._limit:.3g} m/s^2"

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 _CONE_RADIUS = 0.1
 _PATH_ERROR = "driver.path_error"
 
+_SECTIONS = (1, 3, 5)
+
 LOST = 5.0
 """Distance from the path at which a driver has lost the car [m]."""
 
@@ -125,9 +127,18 @@ class LaneChangeTest(DrivingTest):
         pose = np.array([signals.x, signals.y, signals.yaw])
         lanes = self.lanes(vehicle)
         found = [passage(lane, vehicle.outline, pose) for lane in lanes]
-        ok = all(item.entered and item.clearance > 0.0 for item in found)
-        yield from entry("passed", ok, "1", f"Whether all corners kept all lanes ({self.standard})")
-        for number, item in zip((1, 3, 5), found, strict=True):
+        far = np.abs(np.asarray(recording.channels[_PATH_ERROR][:])) > LOST
+        kept = [item.clearance > 0.0 for item in found if item.entered]
+        if len(kept) == len(found) or not all(kept) or far.any():
+            ok = len(kept) == len(found) and all(kept)
+            words = f"Whether all corners kept all lanes ({self.standard})"
+            yield from entry("passed", ok, "1", words)
+        else:
+            section = _SECTIONS[len(kept)]
+            speed = float(signals.speed[-1])
+            told = f"the run ends before the car has left section {section}, at {speed:.2g} m/s"
+            yield from entry("unfinished", told, "", "Why there is no verdict")
+        for number, item in zip(_SECTIONS, found, strict=True):
             words = f"Section {number}: smallest clearance of a corner"
             yield from entry(f"clearance_{number}", item.clearance, "m", words)
         front = max(corner[0] for corner in vehicle.outline)
@@ -136,7 +147,6 @@ class LaneChangeTest(DrivingTest):
                 speed = float(np.interp(x - front, signals.x, signals.speed))
                 words = f"Speed when the front is at the {'begin' if 'entry' in name else 'end'}"
                 yield from entry(name, speed, "m/s", words)
-        far = np.abs(np.asarray(recording.channels[_PATH_ERROR][:])) > LOST
         if far.any():
             at = int(np.argmax(far))
             words = f"When the driver lost the car, {LOST:g} m from its path"
