@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 
 import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.analyses.preparation.prepare import prepare, start_point
-from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_watched
+from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_monitored
 from vehicledyn.files.scenario import load_scenario
 
 SCENARIO = Path(__file__).parents[2] / "scenarios" / "systems" / "four_bar_chain.yaml"
@@ -43,7 +43,7 @@ def test_chain_in_steps_of_20_ms(interval):
     s, samples = loaded.scenario, []
     prepared = prepare(loaded, backend="auto", progress=lambda *_: None)
     start = start_point(prepared, 0.0, s.start)
-    statistics = simulate_watched(
+    statistics = simulate_monitored(
         prepared.subject.system,
         prepared.kernel,
         s.solver,

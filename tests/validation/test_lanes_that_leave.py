@@ -8,7 +8,7 @@ from nets import net
 from test_closed_forms import start_values
 from test_partitions import L, R, rk4, slider_crank
 
-from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_watched
+from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_monitored
 from vehicledyn.codegen.toolchain.compiler import CompilationError, find_compiler, suitable_lanes
 from vehicledyn.integrate.batch import Cases, make_batch, run_batch
 from vehicledyn.integrate.single_case import SingleCase
@@ -44,7 +44,7 @@ def swept(role, lanes, *, watched):
     )
     channels = [c.name for c in equations.channels]
     runner = partial(
-        simulate_watched,
+        simulate_monitored,
         system,
         progress=lambda what, part: None,
         happened=lambda name, time: None,
@@ -122,13 +122,13 @@ def test_nets_in_lanes_change_their_partition_as_single_runs_do(rows, monkeypatc
         rk4(1e-3),
         cases,
         channels=channels,
-        runner=partial(simulate_watched, system, happened=lambda *_: None, **silent),
+        runner=partial(simulate_monitored, system, happened=lambda *_: None, **silent),
         **span,
     )
     changed = set()
     for k in range(len(cases)):
         rows_of_case = []
-        simulate_watched(
+        simulate_monitored(
             system,
             kernel,
             rk4(1e-3),

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from ruamel.yaml import YAML
 
-from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_watched
+from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_monitored
 from vehicledyn.base.registry import find
 from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.multibody import (
@@ -40,7 +40,7 @@ def end_of(system, duration, tolerance=1e-13):
     """Channels at the end of a run, by name."""
     equations = derive(system)
     found = []
-    simulate_watched(
+    simulate_monitored(
         system,
         compile_kernel(equations, backend="interpreted"),
         find("solver", "dop853")(relative_tolerance=tolerance, absolute_tolerance=tolerance),

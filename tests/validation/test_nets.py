@@ -15,7 +15,7 @@ from vehicledyn.analyses.linear.eigenmodes import find_modes
 from vehicledyn.analyses.preparation.prepare import equilibrium_point, prepare
 from vehicledyn.analyses.preparation.start_rates import start_rates
 from vehicledyn.analyses.simulation.partitions import partition_changes, rederived
-from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_watched
+from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_monitored
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.base.registry import find
 from vehicledyn.files.scenario import load_model
@@ -41,7 +41,7 @@ class Run:
         e = kernel.equations
         found, self.happened = [], []
         self.method = e.structure["constraint_method"]
-        self.statistics = simulate_watched(
+        self.statistics = simulate_monitored(
             system,
             kernel,
             find("solver", "rk4")(step=step),

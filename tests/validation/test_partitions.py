@@ -8,8 +8,8 @@ from scipy.integrate import solve_ivp
 from test_closed_forms import REFERENCE, four_bars, start_values
 from test_rolling import GRAVITY, sloping_skate
 
-from vehicledyn.analyses.preparation.rate_determinacy import rates_watched
-from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_watched
+from vehicledyn.analyses.preparation.rate_determinacy import rate_monitor_of
+from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_monitored
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.base.registry import find
 from vehicledyn.integrate.batch import Cases, make_batch, run_batch
@@ -24,7 +24,7 @@ from vehicledyn.multibody import (
     System,
     derive,
 )
-from vehicledyn.multibody.loops.partition_monitor import PartitionWatch
+from vehicledyn.multibody.loops.partition_monitor import PartitionMonitor
 
 pytestmark = pytest.mark.validation
 
@@ -49,7 +49,7 @@ class Motion:
         for k, s in enumerate(equations.states):
             state[k] = changes.get(s.name, state[k])
         self.changes, found = [], []
-        self.statistics = simulate_watched(
+        self.statistics = simulate_monitored(
             system,
             compile_kernel(equations, backend="interpreted"),
             solver,
@@ -191,7 +191,7 @@ def test_skates_in_lanes_turn_across_and_on(lanes):
     def runner(kernel, solver, **span):
         by_themselves.append(span["state"])
         told = {"progress": lambda *_: None, "happened": lambda *_: None}
-        return simulate_watched(system, kernel, solver, **span, **told)
+        return simulate_monitored(system, kernel, solver, **span, **told)
 
     result = run_batch(
         make_batch(kernel, lanes=lanes),
@@ -202,7 +202,7 @@ def test_skates_in_lanes_turn_across_and_on(lanes):
         interval=0.02,
         channels=[names.index("x"), names.index("y")],
         runner=runner,
-        rates=rates_watched(e, lambda: PartitionWatch.of(system)),
+        rates=rate_monitor_of(e, lambda: PartitionMonitor.of(system)),
     )
     assert not any(end.failed for end in result.ends)
     # Pointing across by more than acos 0.3 is too weak: 1.3 and 2.1 rad/s get there in 2 s.

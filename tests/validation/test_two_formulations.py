@@ -9,7 +9,7 @@ import pytest
 
 import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.analyses.preparation.prepare import nominal_point, prepare
-from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_watched
+from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_monitored
 from vehicledyn.base.registry import find
 from vehicledyn.files.scenario import load_model
 
@@ -32,7 +32,7 @@ def moved(folder, name, method):
     prepared = prepare(load_model(str(path)), backend="interpreted", **silent)
     assert prepared.equations.structure["constraint_method"] == method
     start, found = nominal_point(prepared, 0.0), []
-    simulate_watched(
+    simulate_monitored(
         prepared.subject.system,
         prepared.kernel,
         find("solver", "rk4")(step=STEP),

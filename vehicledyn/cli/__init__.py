@@ -11,7 +11,7 @@ from typing import NoReturn
 
 from vehicledyn.base.errors import VehicledynError
 from vehicledyn.cli.exit_codes import INPUT, INTERRUPTED, code_of_error
-from vehicledyn.cli.unforeseen import told
+from vehicledyn.cli.unforeseen import describe_failure
 
 __all__ = ["main"]
 
@@ -41,7 +41,7 @@ def main() -> NoReturn:
         where = f"{error.filename}: " if error.filename else ""
         _leave(f"{where}{error.strerror or error}", INPUT)
     except Exception as error:  # the edge of the program
-        _leave(*told(error))
+        _leave(*describe_failure(error))
 
 
 def _open_closed_streams() -> None:
@@ -60,13 +60,13 @@ def _run() -> NoReturn:
     atexit.register(gc.freeze)  # what is left at the end goes with the process, unsearched
     # Other packages' plugins of pydantic have no part in this; looking for them takes a while.
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
-    from vehicledyn.cli.foreign_warnings import told_in_words
+    from vehicledyn.cli.foreign_warnings import plain_foreign_warnings
     from vehicledyn.cli.verbs import command_for
 
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
-    with told_in_words():
+    with plain_foreign_warnings():
         command_for(sys.argv[1:])(prog_name="vehicledyn")
         sys.exit(0)
 

@@ -12,7 +12,7 @@ _NO_NUMBERS = re.compile(r"\b(nans?|infs?|infinity|math domain|(non-?|in)?finite
 _WHERE = "set VEHICLEDYN_TRACEBACK=1 to see where"
 
 
-def told(error: Exception) -> tuple[str, int]:
+def describe_failure(error: Exception) -> tuple[str, int]:
     """Return what to tell the user of an error, and the exit code.
 
     Arithmetic that leaves the range of numbers is the fault of numbers given far too large, too

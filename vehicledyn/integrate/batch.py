@@ -37,7 +37,7 @@ from vehicledyn.kernel.kernel import Kernel
 from vehicledyn.kernel.lanes import CHOICES, LaneEngine, compile_lanes
 from vehicledyn.kernel.make_kernel import Progress
 from vehicledyn.kernel.newmark.newmark_code import newmark_lanes
-from vehicledyn.kernel.rate_monitor import RateWatch, Soundness
+from vehicledyn.kernel.rate_monitor import RateMonitor, Soundness
 
 _log = logging.getLogger(__name__)
 
@@ -152,7 +152,7 @@ def run_batch(
     channels: Sequence[int],
     single: bool = False,
     runner: Runner = simulate,
-    rates: RateWatch | None = None,
+    rates: RateMonitor | None = None,
     judged: Judging | None = None,
     finished: Finished | None = None,
     progress: Progress | None = None,
@@ -234,7 +234,7 @@ Part: TypeAlias = float | tuple[CaseEnd, ...]
 def _runs_in_lanes(batch: Batch, solver: Any) -> bool:
     if batch.engine is None or hasattr(solver, "fixed_method"):
         return batch.engine is not None
-    if getattr(solver, "watched_method", None) is None or solver.constraints != "reduced":
+    if getattr(solver, "monitored_method", None) is None or solver.constraints != "reduced":
         return False
     try:
         newmark_lanes(batch.lanes)

@@ -7,9 +7,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from vehicledyn.base.errors import InputError, NumericalError
+from vehicledyn.integrate.accuracy.monitored_run import Rerun, Way
 from vehicledyn.integrate.accuracy.proposed_step import proposed_step
 from vehicledyn.integrate.accuracy.watch import AccuracyWatch
-from vehicledyn.integrate.accuracy.watched_run import Rerun, Way
 from vehicledyn.integrate.accuracy.windows import Grid, WindowStart
 from vehicledyn.integrate.course import go_on_from, history_of
 from vehicledyn.integrate.events import Point

@@ -16,7 +16,7 @@ from vehicledyn.integrate.simulate import Solver, simulate
 from vehicledyn.integrate.task import Statistics
 from vehicledyn.kernel.engine import Vector
 from vehicledyn.kernel.kernel import Kernel
-from vehicledyn.kernel.rate_monitor import RateWatch, Soundness
+from vehicledyn.kernel.rate_monitor import RateMonitor, Soundness
 
 Runner: TypeAlias = Callable[..., Statistics]
 """Integrates one case, called as :func:`vehicledyn.integrate.simulate.simulate`."""
@@ -38,7 +38,7 @@ class SingleCase:
     solver: Solver
     plan: Plan
     runner: Runner
-    rates: RateWatch | None
+    rates: RateMonitor | None
     judged: Judging
 
     @property

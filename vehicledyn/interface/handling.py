@@ -63,11 +63,11 @@ def steady(
         If the car does not run straight.
     """
     from vehicledyn.analyses.handling.report import HandlingReport
-    from vehicledyn.analyses.handling.steady import SteadyWish, steady_table
+    from vehicledyn.analyses.handling.steady import SteadyRequest, steady_table
     from vehicledyn.results.tables.handling_table import write_handling
 
     target = read_target(car, override_texts(set, settings))
-    wish = SteadyWish(
+    wish = SteadyRequest(
         positive("speed", speed, "m/s"), positive("radius", radius, "m"), moments, limits
     )
     with result_place(save_to, may_exist=overwrite, resume=resume) as place:

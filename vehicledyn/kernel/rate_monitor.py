@@ -11,7 +11,7 @@ from vehicledyn.kernel.engine import WEAK_PIVOT, Vector
 
 
 @dataclass(frozen=True)
-class RateWatch:
+class RateMonitor:
     """Says how well constraints determine rates that no loop determines, as rolling does.
 
     ``determinants`` maps times (n,) and the values of some ``channels`` (n, n_channels) to the

@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.analyses.simulation.lost_driver import lost_driver
+from vehicledyn.analyses.simulation.lost_control import lost_control
 from vehicledyn.base.errors import InputError, VehicledynError
 from vehicledyn.base.numbers.disk_array import disk_array
 from vehicledyn.base.plugins import load_plugin, loaded_plugins, plugin_digest
@@ -186,7 +186,7 @@ class Worker:
                 stop=work.duration,
                 interval=work.interval,
                 channels=model.columns,
-                runner=model.run_watched,
+                runner=model.run_monitored,
                 rates=model.rates,
                 judged=lambda number: model.judged(cases[number]),
                 room=np.empty if self.folder is None else partial(disk_array, self.folder),
@@ -214,7 +214,7 @@ class Worker:
             if model.needed and end.samples:
                 reached = slice(0, end.samples)
                 entries = model.figures(case, result.times[reached], result.samples[row][reached])
-            if not end.ended_by and (lost := lost_driver(entries)):
+            if not end.ended_by and (lost := lost_control(entries)):
                 block.status[number], block.reasons[number] = LOST, lost
             block.figures[number] = [
                 StudyFigure(e.name, e.value, e.unit, e.description)

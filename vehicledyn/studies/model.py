@@ -13,16 +13,16 @@ import numpy as np
 
 from vehicledyn.analyses.hunting.parameter_starts import starting_at, starts_of
 from vehicledyn.analyses.preparation.build_model import build_subject, manoeuvre_of
-from vehicledyn.analyses.preparation.doubts.bent_beams import WatchedBeams
 from vehicledyn.analyses.preparation.prepare import Point, Vector, prepare, start_point
 from vehicledyn.analyses.preparation.prepared import Derived, Prepared, Progress
-from vehicledyn.analyses.preparation.rate_determinacy import rates_watched
+from vehicledyn.analyses.preparation.rate_determinacy import rate_monitor_of
 from vehicledyn.analyses.preparation.runnable import Subject
+from vehicledyn.analyses.preparation.validity.bent_beams import MonitoredBeams
 from vehicledyn.analyses.simulation.chosen_step import leaves_step, with_step
 from vehicledyn.analyses.simulation.judgement import judged_by
-from vehicledyn.analyses.simulation.lost_driver import PATH_ERROR
+from vehicledyn.analyses.simulation.lost_control import PATH_ERROR
 from vehicledyn.analyses.simulation.open_contacts import refuse_open_contacts
-from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_watched
+from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_monitored
 from vehicledyn.analyses.simulation.sunk_wheels import refuse_sunk_wheels
 from vehicledyn.base.errors import InputError, VehicledynError, nearest_name
 from vehicledyn.codegen.toolchain.fingerprint import fingerprint
@@ -34,7 +34,7 @@ from vehicledyn.integrate.simulate import Solver
 from vehicledyn.integrate.task import Statistics
 from vehicledyn.kernel.kernel import Kernel
 from vehicledyn.kernel.make_kernel import Backend
-from vehicledyn.kernel.rate_monitor import RateWatch
+from vehicledyn.kernel.rate_monitor import RateMonitor
 from vehicledyn.multibody.loops.assembled_start import DrawnStarts
 from vehicledyn.road.manoeuvres.channel_recorder import Recording
 from vehicledyn.studies import indexed_random as scatter
@@ -147,9 +147,9 @@ class Model:
             return None
         return DrawnStarts.of(self.prepared.subject.system, self.prepared.equations)
 
-    def run_watched(self, kernel: Kernel, solver: Solver, **span: Any) -> Statistics:
-        """Integrate one case as a run of its own does, see ``simulate_watched``."""
-        return simulate_watched(
+    def run_monitored(self, kernel: Kernel, solver: Solver, **span: Any) -> Statistics:
+        """Integrate one case as a run of its own does, see ``simulate_monitored``."""
+        return simulate_monitored(
             self.prepared.subject.system,
             kernel,
             solver,
@@ -177,9 +177,9 @@ class Model:
         return Judged([k for k in self.kept if k in known], by_itself=False)
 
     @cached_property
-    def beams(self) -> WatchedBeams:
+    def beams(self) -> MonitoredBeams:
         """The beams whose ends are watched."""
-        return WatchedBeams.of(self.prepared)
+        return MonitoredBeams.of(self.prepared)
 
     def bends(self, case: Case, samples: Vector) -> dict[str, float]:
         """Return how far the ends of these beams moved aside in a case, over their lengths."""
@@ -187,9 +187,9 @@ class Model:
         return {name: float(values.max()) for name, values in found.items()}
 
     @cached_property
-    def rates(self) -> RateWatch | None:
+    def rates(self) -> RateMonitor | None:
         """What watches rates that constraints without loops determine, None without such."""
-        return rates_watched(self.prepared.equations, lambda: self.prepared.watch)
+        return rate_monitor_of(self.prepared.equations, lambda: self.prepared.watch)
 
     def figures(self, case: Case, times: Vector, samples: Vector) -> list[Any]:
         """Return the key figures of a case from its samples (n_times, n_columns)."""

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vehicledyn.analyses.preparation.coarse_starts import refuse_coarse_start
 from vehicledyn.analyses.preparation.prepare import (
     BALANCE_TOLERANCE,
     Point,
@@ -26,7 +27,6 @@ from vehicledyn.analyses.preparation.prepare import (
 from vehicledyn.analyses.preparation.prepared import Prepared
 from vehicledyn.analyses.preparation.runnable import Subject, Vector
 from vehicledyn.analyses.preparation.start_rates import start_rates
-from vehicledyn.analyses.preparation.vague_starts import refuse_vague_start
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.kernel.kernel import Kernel
 from vehicledyn.symbolic.equations import Equations
@@ -170,5 +170,5 @@ def _moving(prepared: Prepared, point: Point, speed: float, found: list[int] | N
     state = start_rates(
         prepared.kernel, subject.given_rates, subject.balance_time, state, point.unknowns
     )
-    refuse_vague_start(e, state)
+    refuse_coarse_start(e, state)
     return Point(state, point.unknowns, point.residual)

@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from vehicledyn.analyses.preparation.doubts.bent_beams import LARGE, bent_far
 from vehicledyn.analyses.preparation.prepared import Progress
+from vehicledyn.analyses.preparation.validity.bent_beams import LARGE, bent_far
 from vehicledyn.base.argument_names import argument, given
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.base.processors import cores

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vehicledyn.analyse.settling.settling import MOST_WINDOWS, Ending, judged, left_to_come
+from vehicledyn.analyse.settling.settling import MOST_WINDOWS, Ending, judged, remaining_change
 
 
 def ending_of(sizes, gap=0.0):
@@ -26,9 +26,9 @@ def test_changes_that_shrink_are_waited_for_until_little_is_left(factor):
 def test_what_is_left_is_foreseen():
     """A factor of 0.8 a window: what is left is the sum of a geometric series."""
     sizes = [1.0 + 0.1 * 0.8**k for k in range(20)]
-    assert left_to_come(sizes) >= sizes[-1] - 1.0
-    assert left_to_come(sizes) == pytest.approx(sizes[-1] - 1.0, rel=1.0)
-    assert left_to_come([1.0 + 0.01 * k for k in range(20)]) is None
+    assert remaining_change(sizes) >= sizes[-1] - 1.0
+    assert remaining_change(sizes) == pytest.approx(sizes[-1] - 1.0, rel=1.0)
+    assert remaining_change([1.0 + 0.01 * k for k in range(20)]) is None
 
 
 def test_a_motion_that_dies_is_gone():

@@ -9,13 +9,13 @@ from vehicledyn.base.errors import InputError
 
 def checked(monkeypatch, *names):
     """Return the times to which runs are simulated to check names."""
-    simulate, stops = figure_names.simulate_watched, []
+    simulate, stops = figure_names.simulate_monitored, []
 
     def noted(*given, stop, **more):
         stops.append(stop)
         return simulate(*given, stop=min(stop, 1.0), **more)
 
-    monkeypatch.setattr(figure_names, "simulate_watched", noted)
+    monkeypatch.setattr(figure_names, "simulate_monitored", noted)
     changes = {"solver": {"kind": "rk4", "step": "1 ms"}, "output.interval": "2 ms"}
     loaded = vd.load("double_pendulum").changed(changes, duration="10000 s")
     try:

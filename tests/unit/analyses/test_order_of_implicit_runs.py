@@ -11,7 +11,7 @@ import pytest
 from chain_examples import chain
 from solve_examples import Samples, starts
 
-from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_watched
+from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_monitored
 from vehicledyn.base.registry import find
 from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.multibody import derive
@@ -55,7 +55,7 @@ def last(system, kernel, kind, count, divided, **settings):
     samples, (state, unknowns) = Samples(), begin(kernel, divided)
     span = {"start": 0.0, "stop": STOP, "interval": 0.5 * STOP, "sink": samples}
     solver, changes = find("solver", kind)(step=STOP / count, **settings), []
-    simulate_watched(
+    simulate_monitored(
         system, kernel, solver, state=state, unknowns=unknowns, **span,
         progress=lambda *_: None, happened=lambda *event: changes.append(event),
     )  # fmt: skip
@@ -102,7 +102,7 @@ def test_order_two_through_changes_of_the_partition(models, kind):
         *((kind, {"step": 1.2 / n}) for n in (2560, 5120)),
     ):
         samples, changes = Samples(), []
-        simulate_watched(
+        simulate_monitored(
             system, kernel, find("solver", method)(**given), state=state, unknowns=unknowns,
             start=0.0, stop=1.2, interval=0.12, sink=samples, progress=lambda *_: None,
             happened=lambda _, time, found=changes: found.append(time),
@@ -139,7 +139,7 @@ def test_the_energy_of_a_loop_with_multipliers_does_not_drift_over_20_000_steps(
             if variable.name.endswith(".angle"):
                 numbers[k] = 0.5 * np.pi * (1.0 if variable.name.startswith("upright") else -1.0)
     samples, state = Samples(), given(kernel, divided, state, unknowns)
-    simulate_watched(
+    simulate_monitored(
         system, kernel, find("solver", "newmark")(step=0.01, constraints=constraints),
         state=state, unknowns=[], start=0.0, stop=200.0, interval=0.1, sink=samples,
         progress=lambda *_: None, happened=lambda *_: None,

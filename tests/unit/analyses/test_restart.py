@@ -326,7 +326,7 @@ def test_a_run_that_is_stopped_as_it_goes_on_can_go_on_again(tmp_path, text, mon
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patched:
-        patched.setattr(simulation, "simulate_watched", stopped)
+        patched.setattr(simulation, "simulate_monitored", stopped)
         assert run(tmp_path, text, "second.h5", restart="first.h5").status == "interrupted"
     outcome = run(tmp_path, text, "second.h5", restart="second.h5")
     assert "accuracy of the method" not in " ".join(outcome.messages)

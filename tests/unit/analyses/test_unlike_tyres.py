@@ -3,7 +3,7 @@
 import pytest
 
 from vehicledyn.analyses.preparation.build_model import build_subject
-from vehicledyn.analyses.preparation.doubts.unlike_tyres import unlike_tyres
+from vehicledyn.analyses.preparation.validity.unlike_tyres import unlike_tyres
 from vehicledyn.interface.targets import read_target
 
 RUN = """

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import vehicledyn.catalogue  # noqa: F401
-from vehicledyn.analyses.preparation.mass_checks import hardly_resisted
+from vehicledyn.analyses.preparation.mass_checks import nearly_singular_mass
 from vehicledyn.analyses.preparation.prepare import nominal_point, prepare
 from vehicledyn.cli import main
 from vehicledyn.files.scenario import load_scenario
@@ -152,9 +152,9 @@ def test_a_failed_run_tells_what_hardly_resists(tmp_path):
     path.write_text(SCENARIO)
     prepared = prepare(load_scenario(path), backend="interpreted", progress=lambda *_: None)
     point = nominal_point(prepared, 0.0)
-    assert hardly_resisted(prepared, 0.0, point.state, point.unknowns) == ""
+    assert nearly_singular_mass(prepared, 0.0, point.state, point.unknowns) == ""
     near = np.where(point.state == 0.5, 1e-4, point.state)
-    told = hardly_resisted(prepared, 0.25, near, point.unknowns)
+    told = nearly_singular_mass(prepared, 0.25, near, point.unknowns)
     assert told.startswith("near t = 0.25 s the mass matrix is almost singular: hardly anything")
     assert "'a.a' and 'a.c'" in told
 

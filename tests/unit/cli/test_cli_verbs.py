@@ -16,7 +16,7 @@ import vehicledyn
 from vehicledyn.analyses.simulation.run_outcome import RunOutcome, ShownEntry
 from vehicledyn.base.errors import InputError, MissingPartError, NumericalError, StoppedError
 from vehicledyn.cli import main
-from vehicledyn.cli.foreign_warnings import told_in_words
+from vehicledyn.cli.foreign_warnings import plain_foreign_warnings
 from vehicledyn.cli.progress_bar import Progress
 from vehicledyn.cli.terminal import emit, show_progress, to_json
 
@@ -166,7 +166,7 @@ def test_every_error_is_one_message_and_an_exit_code(call, write, pipeline, erro
     ],
 )
 def test_what_libraries_warn_of_is_one_sentence(capsys, code, words):
-    with warnings.catch_warnings(), pytest.raises(SystemExit), told_in_words():
+    with warnings.catch_warnings(), pytest.raises(SystemExit), plain_foreign_warnings():
         warnings.simplefilter("default")
         np.float64(-1e308) * 10.0 if "Exit" in code else None
         exec(code)

@@ -11,7 +11,7 @@ import vehicledyn as vd
 import vehicledyn.catalogue
 from vehicledyn.base import plugins, registry
 from vehicledyn.cli.exit_codes import INPUT
-from vehicledyn.cli.unforeseen import told
+from vehicledyn.cli.unforeseen import describe_failure
 
 pytestmark = pytest.mark.long
 
@@ -135,11 +135,12 @@ def test_a_law_that_fails_later_is_no_bug_of_the_program(tmp_path):
     with pytest.raises(ZeroDivisionError) as failed:
         law.forces(None)
     line = text.splitlines().index("        1 // 0") + 1
-    assert told(failed.value) == (
+    assert describe_failure(failed.value) == (
         f"{error}:{line}: the plugin failed: ZeroDivisionError: {failed.value}",
         INPUT,
     )
-    assert told(TypeError("x"))[0].startswith("this is a bug of vehicledyn or of a plugin: TypeE")
+    other, _ = describe_failure(TypeError("x"))
+    assert other.startswith("this is a bug of vehicledyn or of a plugin: TypeError")
 
 
 def test_what_is_no_python_file_is_refused(tmp_path):

@@ -14,7 +14,7 @@ from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.multibody import GROUND, Body, Joint, ParameterTable, System, derive
 from vehicledyn.multibody.equations import singular_mass
 from vehicledyn.multibody.equations.derivation import solve_motion
-from vehicledyn.multibody.equations.felt_inertia import smallest_share
+from vehicledyn.multibody.equations.effective_inertia import smallest_share
 from vehicledyn.multibody.loops.partition import RANK_TOLERANCE, best_pairs
 from vehicledyn.multibody.recursion import forward_dynamics as forward
 

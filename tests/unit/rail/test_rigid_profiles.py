@@ -9,7 +9,7 @@ from rigid_examples import LAW, STEEL, STRAIGHT, on_rails, wheelset_body, wheels
 from vehicledyn.integrate.methods.rk4 import RungeKutta4
 from vehicledyn.integrate.simulate import simulate
 from vehicledyn.multibody import derive
-from vehicledyn.multibody.loops.partition_monitor import PartitionWatch, freed
+from vehicledyn.multibody.loops.partition_monitor import PartitionMonitor, freed
 from vehicledyn.multibody.loops.position_level import Positions
 from vehicledyn.rail.contact.rigid_contact import RigidRailWheels
 from vehicledyn.rail.contact.rigid_profiles import rigid_wheels
@@ -82,7 +82,7 @@ def test_places_of_contact_stay_dependent(part):
     names = [coordinate.name for coordinate in positions.coordinates]
     values = dict(zip(names, positions.start, strict=True))
     places = {"wheels.left.place", "wheels.right.place"}
-    watch = PartitionWatch.of(system)
+    watch = PartitionMonitor.of(system)
     found = watch.compare(0.0, values, ["z", "roll", *sorted(places)])
     assert places < set(found.best)
     equations = derive(freed(system, values, np.zeros(0)))

@@ -9,8 +9,8 @@ import pytest
 import vehicledyn as vd
 import vehicledyn.analyse.equilibrium
 import vehicledyn.catalogue
-from vehicledyn.analyses.preparation.doubts.rounded_kinks import NOTICED
 from vehicledyn.analyses.preparation.prepare import BALANCE_TOLERANCE, equilibrium_point, prepare
+from vehicledyn.analyses.preparation.validity.rounded_kinks import NOTICED
 from vehicledyn.base.errors import AccuracyWarning, NumericalError
 from vehicledyn.base.parameters import read_part
 from vehicledyn.interface.targets import read_target

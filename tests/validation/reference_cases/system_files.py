@@ -10,7 +10,7 @@ import numpy as np
 import vehicledyn.catalogue  # noqa: F401
 from reference_cases.motions import Recorded, quiet
 from vehicledyn.analyses.preparation.prepare import prepare, start_point
-from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_watched
+from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_monitored
 from vehicledyn.files.scenario import load_model, load_scenario
 from vehicledyn.multibody.equations.equation_terms import derive_ingredients
 from vehicledyn.symbolic import ops
@@ -41,7 +41,7 @@ def motion(name, *overrides):
     s = loaded.scenario
     start = start_point(prepared, s.speed or 0.0, s.start)
     samples = []
-    simulate_watched(
+    simulate_monitored(
         prepared.subject.system,
         prepared.kernel,
         s.solver,

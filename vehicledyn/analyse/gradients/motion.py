@@ -85,7 +85,7 @@ def follow(
         stretch = memory.recall_or_raise(
             "stretch", run.place(done - number), partial(run.stretch, done - number)
         )
-        run.go_on_behind(stretch)
+        run.resume_after(stretch)
         stretches.append(stretch)
         if watched is not None:
             for samples in stretch.looks:

@@ -179,7 +179,7 @@ class Course:
             len(self._later),
         )
 
-    def go_on_behind(self, stretch: Stretch) -> None:
+    def resume_after(self, stretch: Stretch) -> None:
         """Stand where a stretch has ended."""
         where = stretch.end
         while len(self._later) > stretch.n_later:

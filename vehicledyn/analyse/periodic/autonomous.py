@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from vehicledyn.analyse.periodic.autonomous_form import timeless
+from vehicledyn.analyse.periodic.autonomous_form import autonomous_form
 from vehicledyn.analyse.periodic.invariance import states_of_motion
 from vehicledyn.base.errors import InputError, NumericalError, unknown_name
 from vehicledyn.base.step_memory import Memory
@@ -69,7 +69,7 @@ class AutonomousField:
     def __post_init__(self) -> None:
         """Find the parameter and the states that matter; refuse time and contacts that jump."""
         self.values = np.array(self.values, dtype=float)
-        e = self.equations = timeless(self.equations, self.values)
+        e = self.equations = autonomous_form(self.equations, self.values)
         jumping = [event.name for event in e.events if event.guesses]
         if jumping:
             raise InputError(

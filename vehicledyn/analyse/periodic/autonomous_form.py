@@ -22,7 +22,7 @@ _KICK = 1e-3
 _POINTS = 3
 
 
-def timeless(equations: Equations, parameters: ArrayLike) -> Equations:
+def autonomous_form(equations: Equations, parameters: ArrayLike) -> Equations:
     """Return equations whose rates and residuals do not contain time.
 
     Parameters

@@ -72,11 +72,11 @@ def _has_settled(sizes: Sequence[float]) -> bool:
     last = sizes[-1]
     if len(sizes) > 1 and abs(last - sizes[-2]) < _AT_ONCE * last:
         return True
-    left = left_to_come(sizes)
+    left = remaining_change(sizes)
     return left is not None and left < _LEFT * last
 
 
-def left_to_come(sizes: Sequence[float]) -> float | None:
+def remaining_change(sizes: Sequence[float]) -> float | None:
     """Return by how much an amplitude will still change; None where changes do not shrink."""
     if len(sizes) <= 2 * _BLOCK:
         return None

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from vehicledyn.analyses.handling.lane_changes import run_lane_changes
 from vehicledyn.analyses.handling.standard_tests import StandardTests
-from vehicledyn.analyses.handling.steady import SteadyWish, memory_of, steady_sheets
+from vehicledyn.analyses.handling.steady import SteadyRequest, memory_of, steady_sheets
 from vehicledyn.analyses.handling.steady_turn import solver_for
 from vehicledyn.analyses.handling.tested_car import CONTROL, TestedCar
 from vehicledyn.analyses.preparation.prepared import Progress
@@ -44,7 +44,7 @@ def handling_table(
     car.memory = memory_of(car, kept, "handling")
     progress("finding straight running", None)
     solver = solver_for(car)
-    steady = steady_sheets(solver, SteadyWish(limits=False), progress)
+    steady = steady_sheets(solver, SteadyRequest(limits=False), progress)
     tests = StandardTests(solver, progress)
     tests.run_all()
     tests.tried("lane changes", lambda: run_lane_changes(tests, backend=backend))

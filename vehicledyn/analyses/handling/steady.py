@@ -32,9 +32,9 @@ from vehicledyn.analyses.handling.steady_turn import (
 from vehicledyn.analyses.handling.test_run import Drive
 from vehicledyn.analyses.handling.tested_car import CONTROL, CarPoint, TestedCar
 from vehicledyn.analyses.handling.yaw_moment import REASONS, YawMoments, yaw_moments
-from vehicledyn.analyses.preparation.doubts.unlike_tyres import unlike_tyres
 from vehicledyn.analyses.preparation.model_hash import model_facts
 from vehicledyn.analyses.preparation.prepared import Progress
+from vehicledyn.analyses.preparation.validity.unlike_tyres import unlike_tyres
 from vehicledyn.base.step_memory import Memory
 from vehicledyn.files.scenario.target import Target
 from vehicledyn.kernel.make_kernel import Backend
@@ -58,7 +58,7 @@ GRADIENTS = (
 
 
 @dataclass(frozen=True)
-class SteadyWish:
+class SteadyRequest:
     """What of steady cornering is wanted: speed [m/s], radius [m], and which analyses."""
 
     speed: float = 100.0 / 3.6
@@ -69,7 +69,7 @@ class SteadyWish:
 
 def steady_table(
     target: Target,
-    wish: SteadyWish,
+    wish: SteadyRequest,
     *,
     backend: Backend,
     progress: Progress,
@@ -98,7 +98,7 @@ def memory_of(car: TestedCar, kept: KeptWork | None, *wishes: Any) -> Memory:
     return (kept or KeptWork()).memory(*given, kinds=(CarPoint, Drive))
 
 
-def steady_sheets(solver: SteadyTurn, wish: SteadyWish, progress: Progress) -> HandlingTable:
+def steady_sheets(solver: SteadyTurn, wish: SteadyRequest, progress: Progress) -> HandlingTable:
     """Return the curves and key figures that are wanted of a car, see :func:`steady_table`."""
     sheets: dict[str, Sheet] = {}
     progress("cornering at constant speed", None)

@@ -9,9 +9,9 @@ import numpy as np
 from vehicledyn.analyse.periodic.autonomous import AutonomousField
 from vehicledyn.analyse.periodic.critical import Balance
 from vehicledyn.analyse.periodic.cycle_points import Branch
-from vehicledyn.analyses.preparation.doubts.bent_beams import WatchedBeams, bent_among
 from vehicledyn.analyses.preparation.prepare import Point
 from vehicledyn.analyses.preparation.prepared import Prepared
+from vehicledyn.analyses.preparation.validity.bent_beams import MonitoredBeams, bent_among
 from vehicledyn.base.units import shown
 from vehicledyn.kernel.kernel import Kernel
 
@@ -26,7 +26,7 @@ def bent_motions(
     branches: Sequence[Branch],
 ) -> list[str]:
     """Return a warning for each beam that bends far in an equilibrium or a limit cycle."""
-    if not WatchedBeams.of(prepared).names:
+    if not MonitoredBeams.of(prepared).names:
         return []
     return bent_among(prepared, _points(prepared, model, balances, branches))
 

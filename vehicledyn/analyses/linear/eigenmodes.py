@@ -13,12 +13,12 @@ from vehicledyn.analyse.linearise import Linearisation, linearise
 from vehicledyn.analyse.modes import Mode, eigenmodes
 from vehicledyn.analyse.small_motions import varied_states
 from vehicledyn.analyses.linear.mode_report import ModesAtSpeed, ModesReport
-from vehicledyn.analyses.preparation.doubts.points import doubtful_beams, doubts_at
 from vehicledyn.analyses.preparation.own_speed import at_speed, refuse_idle_speed, speed_matters
 from vehicledyn.analyses.preparation.prepare import Start, prepare, reference_start, start_point
 from vehicledyn.analyses.preparation.prepared import Check, Prepared, Progress
 from vehicledyn.analyses.preparation.steadiness import unsteadiness
 from vehicledyn.analyses.preparation.target_digest import digests_to_keep
+from vehicledyn.analyses.preparation.validity.points import beam_warnings, validity_warnings
 from vehicledyn.base.argument_names import given
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.units import shown
@@ -172,9 +172,9 @@ def _modes_at(
     )
     remarks = [] if kind == "steady" else [unsteadiness(prepared, point)]
     if kind == "nominal":
-        remarks += doubtful_beams(prepared, point)
+        remarks += beam_warnings(prepared, point)
     else:
-        remarks += [point.remark, *doubts_at(prepared, point)]
+        remarks += [point.remark, *validity_warnings(prepared, point)]
     remark = "\n".join(filter(None, remarks))
     return ModesAtSpeed(speed, eigenmodes(linear.matrix, linear.names), "", remark), linear
 

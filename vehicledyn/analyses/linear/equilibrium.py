@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyses.linear.stability import Stability, stability_of
-from vehicledyn.analyses.preparation.doubts.points import doubts_at
 from vehicledyn.analyses.preparation.own_speed import at_speed, own_speed, refuse_idle_speed
 from vehicledyn.analyses.preparation.prepare import Point, equilibrium_point, nominal_point, prepare
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress
+from vehicledyn.analyses.preparation.validity.points import validity_warnings
 from vehicledyn.base.units import shown
 from vehicledyn.files.scenario.target import Target
 from vehicledyn.kernel.make_kernel import Backend
@@ -170,7 +170,7 @@ def find_equilibrium(
         coordinates,
         forces,
         stability,
-        tuple(filter(None, [point.remark, *doubts_at(prepared, point)])),
+        tuple(filter(None, [point.remark, *validity_warnings(prepared, point)])),
         channels,
     )
 

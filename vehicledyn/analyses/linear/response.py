@@ -17,12 +17,12 @@ from vehicledyn.analyses.linear.held_speed import held_speed_point
 from vehicledyn.analyses.linear.input_names import InputPart, ModelInput, hint
 from vehicledyn.analyses.linear.linear_inputs import Excited
 from vehicledyn.analyses.linear.response_report import ResponseReport
-from vehicledyn.analyses.preparation.doubts.points import doubtful_beams
 from vehicledyn.analyses.preparation.own_speed import at_speed, refuse_idle_speed
 from vehicledyn.analyses.preparation.prepare import Point, prepare
 from vehicledyn.analyses.preparation.prepared import Derived, Prepared, Progress
 from vehicledyn.analyses.preparation.runnable import Subject
 from vehicledyn.analyses.preparation.steadiness import unsteadiness
+from vehicledyn.analyses.preparation.validity.points import beam_warnings
 from vehicledyn.base.argument_names import argument, given
 from vehicledyn.base.errors import InputError
 from vehicledyn.files.scenario.target import Target
@@ -54,7 +54,7 @@ class Linearised:
     def remarks(self) -> tuple[str, ...]:
         """What makes the reference motion doubtful."""
         point = self.prepared, self.point
-        return tuple(filter(None, (unsteadiness(*point), *doubtful_beams(*point))))
+        return tuple(filter(None, (unsteadiness(*point), *beam_warnings(*point))))
 
 
 def find_response(

@@ -15,7 +15,7 @@ from vehicledyn.files.scenario.target import Target
 
 
 @contextmanager
-def told_with_places(target: Target) -> Iterator[None]:
+def errors_with_locations(target: Target) -> Iterator[None]:
     """Give the errors of a block the lines of the parts they are about, where there is a file.
 
     Raises

@@ -79,7 +79,7 @@ def constraint_notes(prepared: Prepared) -> list[str]:
     return notes
 
 
-def hardly_resisted(prepared: Prepared, time: float, state: Vector, unknowns: Vector) -> str:
+def nearly_singular_mass(prepared: Prepared, time: float, state: Vector, unknowns: Vector) -> str:
     """Return which motion hardly anything resists at a point; empty if there is none."""
     found = _idle(prepared, time, state, unknowns, share=_HARDLY)
     if not found:

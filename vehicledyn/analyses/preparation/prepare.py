@@ -11,18 +11,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyses.preparation.build_model import build_subject
+from vehicledyn.analyses.preparation.coarse_starts import refuse_coarse_start
 from vehicledyn.analyses.preparation.curved_starts import (
     curve_advice,
     led_into_curve,
     straight_before,
 )
-from vehicledyn.analyses.preparation.error_locations import told_with_places
+from vehicledyn.analyses.preparation.error_locations import errors_with_locations
 from vehicledyn.analyses.preparation.mass_checks import refuse_idle_start
 from vehicledyn.analyses.preparation.memory.origins import key_of
 from vehicledyn.analyses.preparation.memory.remembered import (
+    recorded_warnings,
     remember_derived,
     remembered,
-    warnings_told,
 )
 from vehicledyn.analyses.preparation.prepared import (
     Check,
@@ -33,7 +34,6 @@ from vehicledyn.analyses.preparation.prepared import (
 )
 from vehicledyn.analyses.preparation.runnable import Subject
 from vehicledyn.analyses.preparation.start_rates import start_rates
-from vehicledyn.analyses.preparation.vague_starts import refuse_vague_start
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.base.interrupts import undisturbed
 from vehicledyn.files.scenario.target import Target
@@ -100,7 +100,7 @@ def prepare(
         How many evaluations of the rates are expected; None where few are.
     """
     progress("deriving the equations of motion", None)
-    with undisturbed(), told_with_places(target):
+    with undisturbed(), errors_with_locations(target):
         subject = build_subject(target)
         if change is not None:
             subject = change(subject)
@@ -109,7 +109,7 @@ def prepare(
     may_know = varies_states and change is None and backend != "interpreted"
     key = (key_of(target, "varied") if may_know else None) or ""
     derived, kernel = remembered(target, subject, key)
-    with warnings_told() as told:
+    with recorded_warnings() as told:
         if check is not None:
             check(derived)
         if kernel is not None:
@@ -297,7 +297,7 @@ def _moving(prepared: Prepared, point: Point) -> Point:
     state = start_rates(
         prepared.kernel, subject.given_rates, subject.balance_time, point.state, point.unknowns
     )
-    refuse_vague_start(prepared.equations, state)
+    refuse_coarse_start(prepared.equations, state)
     return replace(point, state=state)
 
 
@@ -305,7 +305,7 @@ def _closed(prepared: Prepared, state: Vector, speed: float) -> Point:
     """Return a state with its loops closed, near where they were assembled."""
     from vehicledyn.analyse.equilibrium import assemble
 
-    refuse_vague_start(prepared.equations, state)
+    refuse_coarse_start(prepared.equations, state)
     guess = np.array([u.start for u in prepared.equations.unknowns])
     set_speed(prepared, speed)
     return Point(state, assemble(prepared.kernel, prepared.subject.balance_time, state, guess))

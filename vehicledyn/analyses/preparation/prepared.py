@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.analyses.preparation.error_locations import told_with_places
+from vehicledyn.analyses.preparation.error_locations import errors_with_locations
 from vehicledyn.analyses.preparation.runnable import Subject, index_of
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.interrupts import undisturbed
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from vehicledyn.kernel.derivatives import Derivatives, Slopes
     from vehicledyn.multibody.equations.derivation import Derivation
     from vehicledyn.multibody.equations.singular_mass import Resistance
-    from vehicledyn.multibody.loops.partition_monitor import PartitionWatch
+    from vehicledyn.multibody.loops.partition_monitor import PartitionMonitor
 
 Vector = NDArray[np.float64]
 Progress = Callable[[str, float | None], None]
@@ -47,7 +47,7 @@ class Derived:
         """The system solved for its accelerations."""
         from vehicledyn.multibody.equations.derivation import solve_motion
 
-        with undisturbed(), told_with_places(self.target):
+        with undisturbed(), errors_with_locations(self.target):
             return solve_motion(self.subject.system, apart=True)
 
     @cached_property
@@ -60,7 +60,7 @@ class Derived:
         """Its equations, derived."""
         from vehicledyn.multibody.equations.derivation import equations_of
 
-        with undisturbed(), told_with_places(self.target):
+        with undisturbed(), errors_with_locations(self.target):
             return equations_of(self.derivation)
 
 
@@ -86,13 +86,13 @@ class Prepared:
     look: dict[str, Any] = field(default_factory=dict)
 
     @cached_property
-    def watch(self) -> PartitionWatch:
+    def watch(self) -> PartitionMonitor:
         """Compares partitions of the coordinates."""
-        from vehicledyn.multibody.loops.partition_monitor import PartitionWatch, bound_to
+        from vehicledyn.multibody.loops.partition_monitor import PartitionMonitor, bound_to
 
         derivation = self.derived.derivation
         joints = derivation.symbols.joints
-        return PartitionWatch(joints, derivation.loops.gaps, bound_to(derivation.system))
+        return PartitionMonitor(joints, derivation.loops.gaps, bound_to(derivation.system))
 
     @property
     def resistance(self) -> Resistance:

@@ -8,18 +8,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.kernel.rate_monitor import RateWatch
+from vehicledyn.kernel.rate_monitor import RateMonitor
 from vehicledyn.symbolic.equations import Equations
 
 if TYPE_CHECKING:
-    from vehicledyn.multibody.loops.partition_monitor import PartitionWatch
+    from vehicledyn.multibody.loops.partition_monitor import PartitionMonitor
 
 Vector = NDArray[np.float64]
 
 
-def rates_watched(
-    equations: Equations, make_watch: Callable[[], PartitionWatch]
-) -> RateWatch | None:
+def rate_monitor_of(
+    equations: Equations, make_watch: Callable[[], PartitionMonitor]
+) -> RateMonitor | None:
     """Return what watches the dependent rates of a model, None where it has none of its own."""
     structure: dict[str, Any] = equations.structure
     if not structure.get("rate_dependent"):
@@ -32,4 +32,4 @@ def rates_watched(
     def determinants(times: Vector, values: Vector) -> Vector:
         return watch.pivots(times, dict(zip(names, values.T, strict=True)), dependent)
 
-    return RateWatch([place[name] for name in names], determinants)
+    return RateMonitor([place[name] for name in names], determinants)

@@ -13,7 +13,7 @@ from vehicledyn.analyse.gradients.curvature import Curvature, CurvatureCode
 from vehicledyn.analyse.gradients.equilibrium import GivenSlopes
 from vehicledyn.analyse.gradients.key_figures import unit_of
 from vehicledyn.analyses.preparation.prepared import Progress
-from vehicledyn.analyses.sensitivity.mishaps import bent_beams
+from vehicledyn.analyses.sensitivity.driving_failures import bent_beams
 from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
 from vehicledyn.analyses.sensitivity.names import Directions, directions, wanted
 from vehicledyn.base.errors import InputError

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from vehicledyn.analyses.preparation.prepare import Point
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress
 from vehicledyn.analyses.sensitivity.names import Wanted, wanted
-from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_watched
+from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_monitored
 from vehicledyn.analyses.simulation.prepared_run import prepare_run
 from vehicledyn.analyses.simulation.wanted_outputs import needed_channels
 from vehicledyn.base.errors import InputError
@@ -94,7 +94,7 @@ def _figures_of_run(
         times.append(np.array(at))
         rows.append(np.array(outputs)[:, chosen])
 
-    simulate_watched(
+    simulate_monitored(
         prepared.subject.system,
         prepared.kernel,
         solver,

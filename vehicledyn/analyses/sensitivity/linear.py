@@ -16,7 +16,6 @@ from vehicledyn.analyse.gradients.eigenvalues import EigenDerivatives, EigenSlop
 from vehicledyn.analyse.gradients.linear_system import Following, SystemDerivatives
 from vehicledyn.analyses.linear.mode_report import NEAR_ZERO
 from vehicledyn.analyses.linear.reference_motion import ReferenceMotion
-from vehicledyn.analyses.preparation.doubts.bent_beams import bent_among
 from vehicledyn.analyses.preparation.own_speed import at_speed
 from vehicledyn.analyses.preparation.prepare import (
     BALANCE_TOLERANCE,
@@ -25,6 +24,7 @@ from vehicledyn.analyses.preparation.prepare import (
     start_point,
 )
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress, refuse_multipliers
+from vehicledyn.analyses.preparation.validity.bent_beams import bent_among
 from vehicledyn.analyses.sensitivity.figure_kinds import (
     BALANCE,
     CRITICAL,

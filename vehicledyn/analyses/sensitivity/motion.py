@@ -22,8 +22,13 @@ from vehicledyn.analyses.sensitivity.confirmation import (
     unconfirmed_figure,
     unconfirmed_sums,
 )
+from vehicledyn.analyses.sensitivity.driving_failures import (
+    bent_beams,
+    bent_beams_of,
+    driving_failure,
+    driving_failure_of_run,
+)
 from vehicledyn.analyses.sensitivity.figure_names import check_names, is_figure_of_run
-from vehicledyn.analyses.sensitivity.mishaps import bent_beams, bent_beams_of, mishap, mishap_of
 from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
 from vehicledyn.analyses.sensitivity.names import Directions, Wanted, directions, wanted
 from vehicledyn.analyses.simulation.prepared_run import prepare_run
@@ -155,7 +160,7 @@ def _figure_back(
     unsure = unconfirmed_figure(study, chosen, kind, slope)
     about = e.channels[study.channels[0]]
     unit = unit_of(kind, about.unit)
-    trouble, lost = found.figure.trouble, mishap_of(study)
+    trouble, lost = found.figure.trouble, driving_failure_of_run(study)
     notes = [
         *study.notes,
         f"found by adjoints; {found.n_bytes / 1e6:.1f} MB of steps kept",
@@ -215,7 +220,7 @@ def _table(
         for time in motion.changes
     ]
     notes += bent_beams(study, motion)
-    if befell := mishap(study, motion):
+    if befell := driving_failure(study, motion):
         notes.append(f"warning: {befell}")
     elif motion.ended_by:
         notes.append(f"warning: event '{motion.ended_by}' ended the run at {motion.times[-1]:g} s")

@@ -24,9 +24,9 @@ from vehicledyn.analyse.gradients.motion_course import Piece
 from vehicledyn.analyse.gradients.motion_slopes import MotionSlopes
 from vehicledyn.analyse.gradients.sampled_run import sampled_run
 from vehicledyn.analyses.linear.written_starts import WrittenStarts
-from vehicledyn.analyses.preparation.doubts.bent_beams import WatchedBeams
 from vehicledyn.analyses.preparation.prepare import Point, set_speed, start_point
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress
+from vehicledyn.analyses.preparation.validity.bent_beams import MonitoredBeams
 from vehicledyn.analyses.sensitivity.names import START, Directions, Wanted
 from vehicledyn.analyses.sensitivity.pieces import Pieces
 from vehicledyn.analyses.sensitivity.steps import FIXED, grid_of, missed_by
@@ -103,7 +103,7 @@ class MotionStudy:
                 hint = f"; did you mean '{guess}'?" if guess else ""
                 raise InputError(f"'{name}' is no channel of '{prepared.equations.name}'{hint}")
         chosen = [all_names.index(name) for name in names]
-        ends = [k for pair in WatchedBeams.of(prepared).columns for k in pair]
+        ends = [k for pair in MonitoredBeams.of(prepared).columns for k in pair]
         chosen = chosen if back else [*needed_channels(prepared), *chosen, *ends]
         channels = list(dict.fromkeys(chosen))
         notes: list[str] = []

@@ -27,7 +27,7 @@ from vehicledyn.analyses.handling.steady import (
     GRADIENT_FROM,
     GRADIENT_UP_TO,
     GRADIENTS,
-    SteadyWish,
+    SteadyRequest,
 )
 from vehicledyn.analyses.handling.steady_turn import SteadyTurn, solver_for
 from vehicledyn.analyses.handling.tested_car import CONTROL, CarPoint, TestedCar
@@ -66,8 +66,8 @@ class _Method:
 
 
 _METHODS = {
-    "constant_speed": _Method("speed", "m/s", SteadyWish.speed, at_speed, constant_speed),
-    "constant_radius": _Method("radius", "m", SteadyWish.radius, on_circle, constant_radius),
+    "constant_speed": _Method("speed", "m/s", SteadyRequest.speed, at_speed, constant_speed),
+    "constant_radius": _Method("radius", "m", SteadyRequest.radius, on_circle, constant_radius),
 }
 
 

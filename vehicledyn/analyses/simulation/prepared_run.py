@@ -7,9 +7,9 @@ import math
 import numpy as np
 
 from vehicledyn.analyses.preparation.build_model import build_subject
-from vehicledyn.analyses.preparation.error_locations import told_with_places
+from vehicledyn.analyses.preparation.error_locations import errors_with_locations
 from vehicledyn.analyses.preparation.mass_checks import refuse_idle_start, refuse_rigid_loops
-from vehicledyn.analyses.preparation.memory.remembered import warnings_told
+from vehicledyn.analyses.preparation.memory.remembered import recorded_warnings
 from vehicledyn.analyses.preparation.memory.run_cache import Memory, key_of_run, recall, remember
 from vehicledyn.analyses.preparation.prepare import Point, prepare, start_point
 from vehicledyn.analyses.preparation.prepared import Check, Derived, Prepared, Progress
@@ -35,7 +35,7 @@ def prepare_run(
     found = None if memory is None else _from_memory(loaded, memory)
     if found is not None:
         return found
-    with warnings_told() as told:
+    with recorded_warnings() as told:
         prepared = prepare(
             loaded,
             backend=backend,
@@ -44,7 +44,7 @@ def prepare_run(
             evaluations=expected_evaluations(loaded),
         )
         progress("finding the point to start from", None)
-        with told_with_places(loaded):
+        with errors_with_locations(loaded):
             refuse_rigid_loops(prepared)
             start = start_point(prepared, loaded.scenario.speed or 0.0, loaded.scenario.start)
             refuse_idle_start(prepared, 0.0, start.state, start.unknowns)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from vehicledyn.analyses.preparation.doubts.unlike_tyres import unlike_tyres
 from vehicledyn.analyses.preparation.prepared import Prepared
+from vehicledyn.analyses.preparation.validity.unlike_tyres import unlike_tyres
 from vehicledyn.analyses.simulation.cautions import cautions
 from vehicledyn.analyses.simulation.mended_profiles import mended_profiles
 from vehicledyn.analyses.simulation.steep_roads import steep_roads

@@ -13,22 +13,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.analyses.preparation.doubts.bent_beams import BentBeams
-from vehicledyn.analyses.preparation.doubts.coarse_shapes import coarse_shapes
-from vehicledyn.analyses.preparation.doubts.rounded_kinks import rounded_kinks
-from vehicledyn.analyses.preparation.mass_checks import constraint_notes, hardly_resisted
+from vehicledyn.analyses.preparation.mass_checks import constraint_notes, nearly_singular_mass
 from vehicledyn.analyses.preparation.model_hash import model_hash
 from vehicledyn.analyses.preparation.prepare import Point
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress
 from vehicledyn.analyses.preparation.sources import sources_of
+from vehicledyn.analyses.preparation.validity.bent_beams import BentBeams
+from vehicledyn.analyses.preparation.validity.coarse_shapes import coarse_shapes
+from vehicledyn.analyses.preparation.validity.rounded_kinks import rounded_kinks
 from vehicledyn.analyses.simulation.animation_recorder import Recorder, surroundings_of
 from vehicledyn.analyses.simulation.chosen_step import leaves_step, with_step
 from vehicledyn.analyses.simulation.judgement import judged_by
 from vehicledyn.analyses.simulation.kinked_drives import kinked_drives
-from vehicledyn.analyses.simulation.lost_driver import STATUS, lost_driver
+from vehicledyn.analyses.simulation.lost_control import STATUS, lost_control
 from vehicledyn.analyses.simulation.moved_starts import moved_starts
 from vehicledyn.analyses.simulation.open_contacts import unsteady_contacts
-from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_watched
+from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_monitored
 from vehicledyn.analyses.simulation.partitions.run_notes import most_noted
 from vehicledyn.analyses.simulation.partitions.singular_turns import SingularTurns
 from vehicledyn.analyses.simulation.prepared_run import prepare_run
@@ -191,7 +191,7 @@ class _Run:
             try:
                 if known is not None:
                     self._take_known(writer, known)
-                statistics = simulate_watched(
+                statistics = simulate_monitored(
                     self.prepared.subject.system,
                     self.prepared.kernel,
                     self.solver,
@@ -224,7 +224,7 @@ class _Run:
                 self.status, message, unwritten = "failed", str(error), error
             ending = self._ending(statistics)
             self._summarise(writer)
-            if self.status == "ok" and (lost := lost_driver(self.summary)):
+            if self.status == "ok" and (lost := lost_control(self.summary)):
                 self.status, ending = STATUS, lost
             self._leave(statistics)
             self._tell_of_turns()
@@ -338,7 +338,7 @@ class _Run:
 
     def _cause(self) -> str:
         """Return what the last sample says about the cause of a failure, if anything."""
-        return "" if self._last is None else hardly_resisted(self.prepared, *self._last)
+        return "" if self._last is None else nearly_singular_mass(self.prepared, *self._last)
 
     def _end(self) -> float:
         return 0.0 if self._last is None else self._last[0]

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
-from vehicledyn.analyses.preparation.error_locations import told_with_places, wrong_output
+from vehicledyn.analyses.preparation.error_locations import errors_with_locations, wrong_output
 from vehicledyn.base.errors import NumericalError, nearest_name, unknown_name
 from vehicledyn.base.interrupts import undisturbed
 from vehicledyn.files.scenario import LoadedScenario
@@ -55,7 +55,7 @@ def check_outputs(loaded: LoadedScenario, subject: Subject) -> list[Channel]:
         return []
     from vehicledyn.multibody.equations.channel_outline import outline_channels
 
-    with undisturbed(), told_with_places(loaded):
+    with undisturbed(), errors_with_locations(loaded):
         channels = outline_channels(subject.system)
     _wanted(loaded, subject, channels)
     return channels
@@ -84,7 +84,7 @@ def validate_outputs(loaded: LoadedScenario) -> None:
         return
     from vehicledyn.analyses.preparation.build_model import build_subject
 
-    with suppress(NumericalError), told_with_places(loaded):
+    with suppress(NumericalError), errors_with_locations(loaded):
         channels = check_outputs(loaded, build_subject(loaded))
         if key is not None and channels:
             remember_channels(key, channels)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from vehicledyn.base.errors import NumericalError
-from vehicledyn.integrate.accuracy.watched_run import KINETIC, WatchedRun, Way
+from vehicledyn.integrate.accuracy.monitored_run import KINETIC, MonitoredRun, Way
 from vehicledyn.integrate.accuracy.windows import WindowStart, is_cheap, may_be_repeated, order_of
 from vehicledyn.integrate.channel_ranges import Ranges
 from vehicledyn.integrate.estimated_accuracy import ENERGY
@@ -57,7 +57,7 @@ class Moved:
 
 
 @dataclass
-class Again:
+class RepeatedPart:
     """A part of a run taken again: ranges of its channels, and samples where they are wanted.
 
     ``last`` are the judged channels at its end, ``failure`` says why it could not be taken there.
@@ -72,7 +72,7 @@ class Again:
 
 
 def look_again(
-    watch: WatchedRun, places: list[WindowStart], errors: Vector, *, ended_early: bool
+    watch: MonitoredRun, places: list[WindowStart], errors: Vector, *, ended_early: bool
 ) -> Moved:
     """Return how far a run moves with half its step.
 
@@ -100,7 +100,7 @@ def look_again(
     return replace(longer, extra_steps=longer.extra_steps + short.extra_steps)
 
 
-def look_at_start(watch: WatchedRun, place: WindowStart) -> Moved:
+def look_at_start(watch: MonitoredRun, place: WindowStart) -> Moved:
     """Return how far the first part of a run moves with half its step, and what is left of that.
 
     What a start sets off may be coarse as long as it fades: beside extremes and means, the channels
@@ -117,18 +117,18 @@ def look_at_start(watch: WatchedRun, place: WindowStart) -> Moved:
     return Moved(_richardson(watch, better) * error, name, own.steps + half.steps)
 
 
-def _all_again(watch: WatchedRun, better: Way, *, ended_early: bool) -> Moved:
+def _all_again(watch: MonitoredRun, better: Way, *, ended_early: bool) -> Moved:
     """Return how far the figures of the whole run move."""
     half = taken_again(watch, watch.places[0], intervals_of(watch), better)
     if ended_early and half.got_through:
         return Moved(np.inf, "", half.steps, goes_on=True)
-    own = Again(watch.ranges, watch.kept)
+    own = RepeatedPart(watch.ranges, watch.kept)
     error, name = apart(watch, own, half)
     return Moved(_richardson(watch, better) * error, name, half.steps, failure=half.failure)
 
 
 def _part_again(
-    watch: WatchedRun,
+    watch: MonitoredRun,
     places: list[WindowStart],
     errors: Vector,
     better: Way,
@@ -148,13 +148,15 @@ def _part_again(
     return Moved(factor * error, name, own.steps + half.steps, failure=failure)
 
 
-def _length_of_part(watch: WatchedRun, share: float, least: int) -> int:
+def _length_of_part(watch: MonitoredRun, share: float, least: int) -> int:
     """Return the intervals of a part of the run, which has so many steps at least."""
     taken = intervals_of(watch)
     return min(taken, max(int(share * taken), -(-least // watch.grid.per_interval)))
 
 
-def _both(watch: WatchedRun, place: WindowStart, count: int, better: Way) -> tuple[Again, Again]:
+def _both(
+    watch: MonitoredRun, place: WindowStart, count: int, better: Way
+) -> tuple[RepeatedPart, RepeatedPart]:
     """Return a part of the run as it was, and taken again in a better way."""
     own = _known_part(watch, place, count)
     if own is None:
@@ -162,23 +164,23 @@ def _both(watch: WatchedRun, place: WindowStart, count: int, better: Way) -> tup
     return own, taken_again(watch, place, count, better)
 
 
-def _known_part(watch: WatchedRun, place: WindowStart, count: int) -> Again | None:
+def _known_part(watch: MonitoredRun, place: WindowStart, count: int) -> RepeatedPart | None:
     """Return a part of the run from its own samples, None if they are not kept."""
     if watch.kept is None:
         return None
     values = watch.kept.values[place.index :][: count + 1]
-    again = Again(Ranges.of(watch.equations, watch.judged.channels), last=values[-1])
+    again = RepeatedPart(Ranges.of(watch.equations, watch.judged.channels), last=values[-1])
     again.ranges.take(values)
     return again
 
 
-def _richardson(watch: WatchedRun, better: Way) -> float:
+def _richardson(watch: MonitoredRun, better: Way) -> float:
     """Return the error of the run in parts of how far a better way leads elsewhere."""
     power = (watch.grid.step / better.step) ** order_of(watch.grid.method)
     return power / (power - 1.0) if better.method == watch.grid.method else 1.0
 
 
-def ends_without_reason(watch: WatchedRun) -> bool:
+def ends_without_reason(watch: MonitoredRun) -> bool:
     """Return whether the event that ended a run early fails to come with a finer step.
 
     Only the last part of the run is taken again, and one interval behind it: a twelfth on average.
@@ -189,7 +191,7 @@ def ends_without_reason(watch: WatchedRun) -> bool:
     return taken_again(watch, before, count, better).got_through
 
 
-def _better_way(watch: WatchedRun, *, ended_early: bool) -> Way:
+def _better_way(watch: MonitoredRun, *, ended_early: bool) -> Way:
     """Return a more accurate way: half the step, or a method of higher order.
 
     What ended a run early is taken again with a step that is known to be stable.
@@ -204,12 +206,12 @@ def _better_way(watch: WatchedRun, *, ended_early: bool) -> Way:
     return Way(method, step / watch.divided)
 
 
-def intervals_of(watch: WatchedRun) -> int:
+def intervals_of(watch: MonitoredRun) -> int:
     """Return how many sampling intervals the run has taken."""
     return max(1, watch.taken - 1)
 
 
-def may_be_taken(watch: WatchedRun, way: Way, count: int, *, times: float = 1.0) -> bool:
+def may_be_taken(watch: MonitoredRun, way: Way, count: int, *, times: float = 1.0) -> bool:
     """Return whether so many intervals may be taken again in some way at any time.
 
     They may cost so many ``times`` what is cheap.
@@ -217,11 +219,11 @@ def may_be_taken(watch: WatchedRun, way: Way, count: int, *, times: float = 1.0)
     return is_cheap(watch.kernel, way.method, count * watch.grid.interval / way.step / times)
 
 
-def taken_again(watch: WatchedRun, place: WindowStart, count: int, way: Way) -> Again:
+def taken_again(watch: MonitoredRun, place: WindowStart, count: int, way: Way) -> RepeatedPart:
     """Take some intervals again from a place."""
     channels = watch.judged.channels
     kept = watch.judged.kept(count) if watch.kept is not None else None
-    again = Again(Ranges.of(watch.equations, channels), kept)
+    again = RepeatedPart(Ranges.of(watch.equations, channels), kept)
     again.ranges.likes = watch.ranges.likes
 
     def take(times: Vector, states: Vector, unknowns: Vector, outputs: Vector) -> None:
@@ -239,7 +241,7 @@ def taken_again(watch: WatchedRun, place: WindowStart, count: int, way: Way) -> 
 
 
 def apart(
-    watch: WatchedRun, own: Again, other: Again, *, scales: Vector | None = None
+    watch: MonitoredRun, own: RepeatedPart, other: RepeatedPart, *, scales: Vector | None = None
 ) -> tuple[float, str]:
     """Return the error of the worst key figure, or channel where no figure is of the motion.
 
@@ -263,7 +265,7 @@ def apart(
     return max(found, key=lambda one: one[0])
 
 
-def energy_is_off(watch: WatchedRun) -> bool:
+def energy_is_off(watch: MonitoredRun) -> bool:
     """Return whether the balance of the energy, as far as the samples tell, asks for a look."""
     if watch.kept is None or not may_be_repeated(watch.kernel, watch.grid):
         return False
@@ -278,7 +280,7 @@ def energy_is_off(watch: WatchedRun) -> bool:
 
 
 def balance_of(
-    watch: WatchedRun, samples: KeptSamples, *, rough: bool = False
+    watch: MonitoredRun, samples: KeptSamples, *, rough: bool = False
 ) -> EnergyBalance | None:
     """Return the balance of the energy, None where there is none or it says nothing.
 
@@ -301,7 +303,7 @@ def balance_of(
 
 
 def _ranges_apart(
-    watch: WatchedRun, own: Again, other: Again, scales: Vector | None = None
+    watch: MonitoredRun, own: RepeatedPart, other: RepeatedPart, scales: Vector | None = None
 ) -> tuple[float, str]:
     """Return the error of the worst channel's extremes and mean."""
     if own.failure or other.failure:
@@ -313,7 +315,7 @@ def _ranges_apart(
     return float(distance[worst]), f"'{watch.names[worst]}'"
 
 
-def _ends_apart(watch: WatchedRun, own: Again, other: Again) -> Vector:
+def _ends_apart(watch: MonitoredRun, own: RepeatedPart, other: RepeatedPart) -> Vector:
     """Return how far two ways lie apart at their end, shape (n_channels,), as parts of ranges."""
     with np.errstate(all="ignore"):
         distance = np.abs(own.last - other.last) / watch.ranges.scales()

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from vehicledyn.integrate.accuracy.monitored_run import Way
 from vehicledyn.integrate.accuracy.watch import AccuracyWatch, Windows, finer_steps, most_bound
-from vehicledyn.integrate.accuracy.watched_run import Way
 from vehicledyn.integrate.accuracy.windows import (
     HALF,
     SPENT,

@@ -6,15 +6,15 @@ import math
 from dataclasses import dataclass
 
 from vehicledyn.integrate.accuracy.half_step_run import (
-    Again,
     Moved,
+    RepeatedPart,
     apart,
     intervals_of,
     may_be_taken,
     taken_again,
 )
+from vehicledyn.integrate.accuracy.monitored_run import MonitoredRun, Way
 from vehicledyn.integrate.accuracy.proposed_step import dividing_step
-from vehicledyn.integrate.accuracy.watched_run import WatchedRun, Way
 from vehicledyn.integrate.accuracy.windows import order_of
 
 _AIM, _ASYMPTOTIC = 0.01, 0.2
@@ -42,7 +42,7 @@ class Advice:
     finest: float | None = None
 
 
-def recommended_step(watch: WatchedRun, moved: Moved) -> Advice:
+def recommended_step(watch: MonitoredRun, moved: Moved) -> Advice:
     """Return the step that brings the error of a run below a hundredth.
 
     It begins from the step that the method's order foretells where the error is small enough for
@@ -83,7 +83,7 @@ def recommended_step(watch: WatchedRun, moved: Moved) -> Advice:
 class _Halvings:
     """A run taken again and again, each time with half the step of the time before."""
 
-    def __init__(self, watch: WatchedRun, begin: float) -> None:
+    def __init__(self, watch: MonitoredRun, begin: float) -> None:
         self._watch, self._begin = watch, begin
         self.errors: list[float] = []
         self.spent = 0
@@ -93,7 +93,7 @@ class _Halvings:
     def go(self, allowed: float) -> None:
         """Halve the step until half of it moves no figure by more than ``allowed``."""
         watch, count = self._watch, intervals_of(self._watch)
-        before: Again | None = None
+        before: RepeatedPart | None = None
         for halvings in range(_MOST_HALVINGS + 1):
             way = Way(watch.grid.method, self._begin / 2**halvings)
             if not may_be_taken(watch, way, count):

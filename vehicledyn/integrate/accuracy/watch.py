@@ -23,8 +23,8 @@ from vehicledyn.integrate.accuracy.half_step_run import (
     look_again,
     look_at_start,
 )
+from vehicledyn.integrate.accuracy.monitored_run import SEEN, DivergenceError, MonitoredRun
 from vehicledyn.integrate.accuracy.recommended_step import recommended_step
-from vehicledyn.integrate.accuracy.watched_run import SEEN, DivergenceError, WatchedRun
 from vehicledyn.integrate.accuracy.windows import (
     HALF,
     SPENT,
@@ -136,7 +136,7 @@ class Windows:
 
 
 @dataclass
-class AccuracyWatch(WatchedRun):
+class AccuracyWatch(MonitoredRun):
     """Judges a run with a fixed step from what it has collected."""
 
     def verdict(self, *, ended_early: bool) -> Accuracy:

@@ -66,7 +66,7 @@ class Grid:
         times = start, interval, per_interval, n_intervals
         if hasattr(solver, "fixed_method"):
             return cls(solver.fixed_method, *times)
-        method = getattr(solver, "watched_method", None)
+        method = getattr(solver, "monitored_method", None)
         return None if method is None else cls(method, *times, solver)
 
     @property

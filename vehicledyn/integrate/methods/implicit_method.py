@@ -40,14 +40,14 @@ class ImplicitMethod(ParameterSet):
         refuse_constraints(equations, self.constraints)
 
     @property
-    def watched_method(self) -> int | None:
+    def monitored_method(self) -> int | None:
         """The method as the watch of the accuracy knows it; None where a tolerance is given."""
-        from vehicledyn.integrate.newmark.watched_run import watched_method
+        from vehicledyn.integrate.newmark.monitored_run import monitored_method
 
-        return watched_method(self.weights, self.constraints, self.tolerance)
+        return monitored_method(self.weights, self.constraints, self.tolerance)
 
     def integrate(self, task: Task) -> Statistics:
         """Integrate a task."""
-        from vehicledyn.integrate.newmark.watched_run import run_watched
+        from vehicledyn.integrate.newmark.monitored_run import run_monitored
 
-        return run_watched(task, self.kind, self, self.weights)
+        return run_monitored(task, self.kind, self, self.weights)

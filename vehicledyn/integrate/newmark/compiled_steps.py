@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from vehicledyn.integrate.course import Carried
 from vehicledyn.integrate.events import Point
 from vehicledyn.integrate.newmark.matrix_pattern import matrix_pattern
-from vehicledyn.integrate.newmark.matrix_room import enter_pattern, matrix_room
+from vehicledyn.integrate.newmark.matrix_storage import enter_pattern, matrix_storage
 from vehicledyn.integrate.newmark.reduced_steps import ReducedForm, ReducedPlace
 from vehicledyn.integrate.newmark.weights import Weights
 from vehicledyn.integrate.task import Task
@@ -210,7 +210,7 @@ class CompiledSteps(CompiledLoop[ReducedPlace]):
         super().__init__(task, engine, weights, code)
         pattern = self._pattern = matrix_pattern(task.kernel)
         self._hold(self.record, new_mass=form.new_mass, gamma=form.gamma)
-        self._hold(self.record, **matrix_room(pattern, np.zeros))
+        self._hold(self.record, **matrix_storage(pattern, np.zeros))
         enter_pattern(self.record, pattern)
 
     @property

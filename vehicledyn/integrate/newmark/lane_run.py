@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.integrate.lane_run import LaneRun
 from vehicledyn.integrate.newmark.matrix_pattern import matrix_pattern
-from vehicledyn.integrate.newmark.matrix_room import enter_pattern, matrix_room
+from vehicledyn.integrate.newmark.matrix_storage import enter_pattern, matrix_storage
 from vehicledyn.integrate.newmark.reduced_steps import ReducedForm
 from vehicledyn.integrate.newmark.weights import SHORTEST, Weights
 from vehicledyn.kernel.engine import Vector
@@ -78,7 +78,7 @@ class NewmarkLaneRun(LaneRun):
         record.lane_rates = engine.address("vd_evaluate_lanes")
         record.lane_sample = engine.address("vd_follow_lanes")
         self._arrays = {
-            **matrix_room(pattern, engine.room, engine.lanes),
+            **matrix_storage(pattern, engine.room, engine.lanes),
             "constants": self.constants,
             "given": engine.room(len(self.constants)),
             "work": engine.room(5 * n + 3 * n_states + 2 * n_unknowns),

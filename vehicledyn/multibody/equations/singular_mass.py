@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.multibody.equations.deformable_rows import DeformableRows, DeformedNumbers, roots
-from vehicledyn.multibody.equations.felt_inertia import (
+from vehicledyn.multibody.equations.effective_inertia import (
     LinkNumbers,
     body_rows,
     first_negative,

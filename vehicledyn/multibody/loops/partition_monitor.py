@@ -38,7 +38,7 @@ class Comparison:
     worst: str
 
 
-class PartitionWatch:
+class PartitionMonitor:
     """Compares partitions of a system with the best one at a configuration.
 
     All coordinates but the driven ones may change their role, and those that only constraints
@@ -54,11 +54,11 @@ class PartitionWatch:
         self._independent: list[int] | None = None
 
     @staticmethod
-    def of(system: System) -> PartitionWatch:
+    def of(system: System) -> PartitionMonitor:
         """Return the watch of a system: differentiate its constraints."""
         symbols = declare(system)
         rows = rows_of_system(system, symbols.kinematics(unfold(system.bodies)), symbols.time)
-        return PartitionWatch(symbols.joints, Gaps(system, symbols, rows), bound_to(system))
+        return PartitionMonitor(symbols.joints, Gaps(system, symbols, rows), bound_to(system))
 
     @property
     def choices(self) -> dict[tuple[int, ...], list[int]]:

@@ -24,7 +24,7 @@ from vehicledyn.multibody.recursion.floating_body import (
     body_acceleration,
     coordinate_accelerations,
 )
-from vehicledyn.multibody.recursion.free_joint import effort_of, felt_beyond
+from vehicledyn.multibody.recursion.free_joint import effort_of, through_free_joint
 from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec
 from vehicledyn.symbolic.shared_steps import Writer, written_out
@@ -232,7 +232,7 @@ def _inward(
         effort = effort_of(_axes(axis, item), body, wrench, force, reflected)
         gate = [effort.unit_force, effort.unit_torque, effort.push]
         if item.parent >= 0:
-            body, wrench = felt_beyond(item, body, wrench, effort, force)
+            body, wrench = through_free_joint(item, body, wrench, effort, force)
     if item.parent < 0:
         return gate
     arm, *turns = rest

@@ -62,7 +62,7 @@ def effort_of(
     return Effort(column, turning, column * inverse, turning * inverse, push, kept)
 
 
-def felt_beyond(
+def through_free_joint(
     item: Link, body: ArticulatedInertia, wrench: JointWrench, gate: Effort, along: Scalar
 ) -> tuple[ArticulatedInertia, JointWrench]:
     """Return inertia and wrench as they are felt through a free joint.

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from vehicledyn.road.ground.enveloped_ground import EnvelopedGround
     from vehicledyn.road.ground.enveloping import Tandem
-    from vehicledyn.road.ground.felt_grid import FeltGround
     from vehicledyn.road.surfaces.surface import Array
 
 _FIELDS = ("first", "last", "right", "left")
@@ -95,7 +95,7 @@ class Enveloped(RoadSurface):
         found: list[str] = look(folder) if callable(look) else []
         if found:
             return found
-        from vehicledyn.road.ground.felt_grid import samples
+        from vehicledyn.road.ground.enveloped_ground import samples
 
         placed = self.placed(folder)
         try:
@@ -165,14 +165,14 @@ class Enveloped(RoadSurface):
         return Tandem(Cam(self.cam_length, self.cam_height, self.cam_order), self.cam_spacing)
 
     @cached_property
-    def _felt(self) -> FeltGround:
-        from vehicledyn.road.ground.felt_grid import felt_ground
+    def _felt(self) -> EnvelopedGround:
+        from vehicledyn.road.ground.enveloped_ground import enveloped_ground
 
         first, last, across = self._ends()
         data = self.road.lines()
         anchor = 0.0 if data is None else data.first
         along, height = (first, last), self.road.on_line
-        return felt_ground(height, self._tandem, along, across, self.step, anchor=anchor)
+        return enveloped_ground(height, self._tandem, along, across, self.step, anchor=anchor)
 
 
 def _refined(places: Array, spread: float) -> Array:

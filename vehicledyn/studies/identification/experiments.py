@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.analyses.sensitivity.confirmation import unconfirmed
-from vehicledyn.analyses.sensitivity.mishaps import mishap
+from vehicledyn.analyses.sensitivity.driving_failures import driving_failure
 from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
 from vehicledyn.analyses.sensitivity.names import directions
 from vehicledyn.base.errors import InputError, NumericalError
@@ -154,7 +154,7 @@ class Fitting:
         names = [e.channels[k].name for k in self.study.channels]
         wanted = {item.channel for item in self.experiment.measured}
         places = {name: k for k, name in enumerate(names) if name in wanted}
-        if lost := mishap(own, motion):
+        if lost := driving_failure(own, motion):
             return {"failure": f"{self.experiment.loaded.title}: {lost}"}
         if motion.ended_by:
             words = f"event '{motion.ended_by}' ended the run at {motion.times[-1]:g} s"

@@ -10,9 +10,9 @@ import numpy as np
 
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.analyses.sensitivity.confirmation import unconfirmed
+from vehicledyn.analyses.sensitivity.driving_failures import driving_failure
 from vehicledyn.analyses.sensitivity.figure_names import check_figures
 from vehicledyn.analyses.sensitivity.known_analyses import ANALYSES, RUN, analysis_of
-from vehicledyn.analyses.sensitivity.mishaps import mishap
 from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
 from vehicledyn.analyses.sensitivity.names import Wanted, directions, wanted
 from vehicledyn.base.errors import InputError, NumericalError
@@ -95,7 +95,7 @@ class RunPart:
                 motion = study.plain(_silent)
         except NumericalError as error:
             return {"failure": f"{title}: {error}"}
-        if lost := mishap(study, motion):
+        if lost := driving_failure(study, motion):
             return {"failure": f"{title}: {lost}"}
         found = list(zip(self.names, study.figures(self.asked, motion), strict=True))
         for name, (slope, _) in found:

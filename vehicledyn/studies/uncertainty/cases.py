@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from vehicledyn.analyse.gradients.key_figures import unit_of
 from vehicledyn.analyse.uncertainty import Distribution, Spread
 from vehicledyn.analyses.preparation.prepared import Progress
+from vehicledyn.analyses.sensitivity.driving_failures import driving_failure
 from vehicledyn.analyses.sensitivity.figure_names import check_figures
-from vehicledyn.analyses.sensitivity.mishaps import mishap
 from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
 from vehicledyn.analyses.sensitivity.names import Wanted, directions, named_channels, wanted
 from vehicledyn.base.errors import InputError, NumericalError, nearest_name
@@ -195,7 +195,7 @@ class Cases:
                 motion = study.plain(self.progress)
         except NumericalError as error:
             return {"failure": f"the run with {values} failed: {error}"}
-        pairs, lost = study.figures(self.asked, motion), mishap(study, motion)
+        pairs, lost = study.figures(self.asked, motion), driving_failure(study, motion)
         for slope, item in pairs:
             if follows and slope.trouble:
                 return {"failure": f"'{item.name}' has no derivative: {slope.trouble}"}
@@ -208,7 +208,7 @@ class Cases:
         found |= {"lost": f"with {values}: {lost}"} if lost else {}
         return found | ({"slopes": [s.slope.tolist() for s, _ in pairs]} if follows else {})
 
-    def _mishaps(self) -> list[str]:
+    def _driving_failures(self) -> list[str]:
         """Return a warning of runs that lost their vehicle, the first of which it describes."""
         if not self.lost:
             return []
@@ -240,7 +240,7 @@ class Cases:
             totals,
             len(self.asked_for),
             list(risks),
-            (*self.study.notes, *self._mishaps()),
+            (*self.study.notes, *self._driving_failures()),
             None if figures is None else np.array(self.points),
             figures,
         )

@@ -96,7 +96,7 @@ class _Collector(logging.Handler):
 
 
 @contextmanager
-def warnings_told() -> Iterator[list[logging.LogRecord]]:
+def recorded_warnings() -> Iterator[list[logging.LogRecord]]:
     """Collect the warnings that are given meanwhile."""
     handler = _Collector(logging.WARNING)
     logger = logging.getLogger(PACKAGE)

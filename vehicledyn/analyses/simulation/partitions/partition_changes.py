@@ -33,7 +33,7 @@ from vehicledyn.multibody.model.system import MOST_ENTANGLED, System
 from vehicledyn.symbolic.equations import Equations
 
 if TYPE_CHECKING:
-    from vehicledyn.multibody.loops.partition_monitor import Comparison, PartitionWatch
+    from vehicledyn.multibody.loops.partition_monitor import Comparison, PartitionMonitor
 
 Vector = NDArray[np.float64]
 
@@ -80,7 +80,7 @@ class PartitionChanges:
     kernel: Kernel
     first: Equations
     plan: RunPlan
-    make_watch: Callable[[], PartitionWatch]
+    make_watch: Callable[[], PartitionMonitor]
     known: dict[tuple[str, ...], Kernel]
     parts: list[Statistics]
     changed_at: float = -np.inf
@@ -95,7 +95,7 @@ class PartitionChanges:
         self.compiles = self.kernel.backend == "compiled"
 
     @cached_property
-    def watch(self) -> PartitionWatch:
+    def watch(self) -> PartitionMonitor:
         """What compares the partitions of the system."""
         watch = self.make_watch()
         if self.choices:

@@ -20,7 +20,7 @@ from vehicledyn.kernel.tangent_code import Grid
 from vehicledyn.multibody.model.system import System
 
 if TYPE_CHECKING:
-    from vehicledyn.multibody.loops.partition_monitor import PartitionWatch
+    from vehicledyn.multibody.loops.partition_monitor import PartitionMonitor
 
 Floats = NDArray[np.float64]
 
@@ -46,7 +46,7 @@ class PartitionCourse:
     """Runs of a system with dependent coordinates; kernels of other partitions are kept."""
 
     system: System
-    make_watch: Callable[[], PartitionWatch]
+    make_watch: Callable[[], PartitionMonitor]
     known: dict[tuple[str, ...], Kernel] = field(default_factory=dict)
 
     @staticmethod

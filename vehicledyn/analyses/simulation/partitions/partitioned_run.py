@@ -48,7 +48,7 @@ from vehicledyn.analyses.simulation.partitions.singularity_monitor import (
 from vehicledyn.analyses.simulation.partitions.singularity_passing import SingularityPassing
 from vehicledyn.analyses.simulation.run_plan import Point, RunPlan
 from vehicledyn.base.errors import InputError, NumericalError
-from vehicledyn.integrate.accuracy.watched_run import DivergenceError
+from vehicledyn.integrate.accuracy.monitored_run import DivergenceError
 from vehicledyn.integrate.course import Beginning, Course
 from vehicledyn.integrate.task import Statistics, joined
 from vehicledyn.kernel.kernel import Kernel
@@ -56,7 +56,7 @@ from vehicledyn.multibody.model.system import System
 from vehicledyn.symbolic.equations import Equations
 
 if TYPE_CHECKING:
-    from vehicledyn.multibody.loops.partition_monitor import PartitionWatch
+    from vehicledyn.multibody.loops.partition_monitor import PartitionMonitor
 
 Vector = NDArray[np.float64]
 
@@ -75,7 +75,7 @@ class PartitionedRun:
     kernel: Kernel
     first: Equations
     plan: RunPlan
-    make_watch: Callable[[], PartitionWatch]
+    make_watch: Callable[[], PartitionMonitor]
     known: dict[tuple[str, ...], Kernel]
     course: Course | None = None
     _parts: list[Statistics] = field(default_factory=list, init=False)

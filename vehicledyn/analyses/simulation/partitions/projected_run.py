@@ -23,13 +23,13 @@ from vehicledyn.analyses.simulation.partitions.rederived import values_of
 from vehicledyn.analyses.simulation.partitions.singularity_crossing import Sample
 from vehicledyn.analyses.simulation.run_plan import Point, RunPlan
 from vehicledyn.base.errors import NumericalError
-from vehicledyn.integrate.accuracy.watched_run import DivergenceError
+from vehicledyn.integrate.accuracy.monitored_run import DivergenceError
 from vehicledyn.integrate.course import Carried, Course, reading_history
 from vehicledyn.integrate.task import Statistics, joined
 from vehicledyn.kernel.kernel import Kernel
 
 if TYPE_CHECKING:
-    from vehicledyn.multibody.loops.partition_monitor import PartitionWatch
+    from vehicledyn.multibody.loops.partition_monitor import PartitionMonitor
 
 Vector = NDArray[np.float64]
 
@@ -56,7 +56,7 @@ class ProjectedRun:
 
     kernel: Kernel
     plan: RunPlan
-    make_watch: Callable[[], PartitionWatch]
+    make_watch: Callable[[], PartitionMonitor]
     course: Course | None = None
     _delivered: int = field(default=0, init=False)
     _parts: list[Statistics] = field(default_factory=list, init=False)
@@ -66,7 +66,7 @@ class ProjectedRun:
     _carried: Carried = field(default_factory=Carried, init=False)
 
     @cached_property
-    def _watch(self) -> PartitionWatch:
+    def _watch(self) -> PartitionMonitor:
         return self.make_watch()
 
     def go_on(self, history: Vector, n_states: int, n_unknowns: int) -> Statistics:

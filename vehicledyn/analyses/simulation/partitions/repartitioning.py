@@ -16,9 +16,9 @@ from vehicledyn.analyses.simulation.partitions.partitioned_run import Partitione
 from vehicledyn.analyses.simulation.partitions.projected_run import ProjectedRun, projected_plan
 from vehicledyn.analyses.simulation.run_plan import RunPlan
 from vehicledyn.analyses.simulation.sample_delivery import Delivery
+from vehicledyn.integrate.accuracy.monitored_run import Way
 from vehicledyn.integrate.accuracy.proposed_step import proposed_step
 from vehicledyn.integrate.accuracy.watch import AccuracyWatch
-from vehicledyn.integrate.accuracy.watched_run import Way
 from vehicledyn.integrate.accuracy.windows import Grid, WindowStart
 from vehicledyn.integrate.course import Course
 from vehicledyn.integrate.fixed_step import FixedSteps, steps_per_interval
@@ -31,7 +31,7 @@ from vehicledyn.multibody.model.system import System
 from vehicledyn.symbolic.equations import Equations
 
 if TYPE_CHECKING:
-    from vehicledyn.multibody.loops.partition_monitor import PartitionWatch
+    from vehicledyn.multibody.loops.partition_monitor import PartitionMonitor
 
 Vector = NDArray[np.float64]
 
@@ -40,7 +40,7 @@ _WIDE_BLOCK, _STEPS_IF_WIDE = 6, 2
 """Unknowns of a loop above which a partition may degrade within few steps, and steps per look."""
 
 
-def simulate_watched(
+def simulate_monitored(
     system: System,
     kernel: Kernel,
     solver: Solver,
@@ -53,7 +53,7 @@ def simulate_watched(
     sink: Sink,
     progress: Progress,
     happened: Happened,
-    watch: Callable[[], PartitionWatch] | None = None,
+    watch: Callable[[], PartitionMonitor] | None = None,
     judged: Judged | None = None,
     course: Course | None = None,
 ) -> Statistics:
@@ -120,7 +120,7 @@ class _Pieces:
 
     system: System
     first: Equations
-    make_watch: Callable[[], PartitionWatch]
+    make_watch: Callable[[], PartitionMonitor]
     known: dict[tuple[str, ...], Kernel] = field(default_factory=dict)
     solver: Any = None
 
@@ -184,10 +184,10 @@ def steps_per_look(equations: Equations) -> int:
     return _STEPS_IF_WIDE if max(sizes, default=0) > _WIDE_BLOCK else _STEPS_PER_LOOK
 
 
-def _watch_of(system: System) -> PartitionWatch:
-    from vehicledyn.multibody.loops.partition_monitor import PartitionWatch
+def _watch_of(system: System) -> PartitionMonitor:
+    from vehicledyn.multibody.loops.partition_monitor import PartitionMonitor
 
-    return PartitionWatch.of(system)
+    return PartitionMonitor.of(system)
 
 
 def _nowhere(*_: object) -> None:

@@ -7,14 +7,14 @@ import pytest
 
 import vehicledyn
 from vehicledyn.analyses.sensitivity import motion
-from vehicledyn.analyses.sensitivity.mishaps import mishap
-from vehicledyn.analyses.simulation.lost_driver import PATH_ERROR
+from vehicledyn.analyses.sensitivity.driving_failures import driving_failure
+from vehicledyn.analyses.simulation.lost_control import PATH_ERROR
 from vehicledyn.base.errors import AccuracyWarning, NumericalError
 from vehicledyn.cli import main
 from vehicledyn.results.store.study_reader import open_study
 from vehicledyn.road.manoeuvres.lane_change_test import LOST
 from vehicledyn.road.standards.entries import entry
-from vehicledyn.studies.optimisation import problem
+from vehicledyn.studies.optimisation import parts
 from vehicledyn.studies.uncertainty import cases
 from vehicledyn.symbolic.equations import Channel
 
@@ -109,17 +109,21 @@ def followed(channel, values, ended_by=""):
 
 
 def test_a_followed_run_tells_how_it_lost_its_vehicle():
-    assert mishap(*followed(PATH_ERROR, [0.0, 4.9, 1.0])) == ""
-    assert mishap(*followed("body.x", [0.0, 9.0, 9.0])) == ""
-    assert mishap(*followed(PATH_ERROR, [0.0, 5.1, 9.0])).startswith("driver_lost: When: 1 s")
-    assert mishap(*followed("body.x", [0.0, 0.0], "body.overturned")).startswith("overturned")
+    assert driving_failure(*followed(PATH_ERROR, [0.0, 4.9, 1.0])) == ""
+    assert driving_failure(*followed("body.x", [0.0, 9.0, 9.0])) == ""
+    assert driving_failure(*followed(PATH_ERROR, [0.0, 5.1, 9.0])).startswith(
+        "driver_lost: When: 1 s"
+    )
+    assert driving_failure(*followed("body.x", [0.0, 0.0], "body.overturned")).startswith(
+        "overturned"
+    )
 
 
 def test_studies_take_no_run_that_lost_its_vehicle_for_an_ordinary_one(monkeypatch, tmp_path):
     """Samples of an uncertainty are told; a search does not take such a run, or begin with it."""
     laws = {"length": {"kind": "normal", "mean": "1 m", "deviation": "5 mm"}}
-    for module in (cases, motion, problem):
-        monkeypatch.setattr(module, "mishap", lambda *_: "driver_lost: at 1 s")
+    for module in (cases, motion, parts):
+        monkeypatch.setattr(module, "driving_failure", lambda *_: "driver_lost: at 1 s")
     asked = ["final(upper.angle)"]
     found = vehicledyn.uncertainty(
         "double_pendulum", asked, laws, method="monte_carlo", number=2, duration="0.1 s"

@@ -1,4 +1,4 @@
-"""Refuse starts at numbers so large that their neighbours are too far apart to say where."""
+"""Refuse starts at numbers so large that neighbouring floating-point numbers lie too far apart."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from vehicledyn.kernel.engine import Vector
 from vehicledyn.symbolic.equations import Equations
 
 
-def refuse_vague_start(equations: Equations, state: Vector) -> None:
+def refuse_coarse_start(equations: Equations, state: Vector) -> None:
     """Raise InputError for coordinates and rates at which numbers lie too far apart.
 
     Parameters

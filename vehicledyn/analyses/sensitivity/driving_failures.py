@@ -1,4 +1,4 @@
-"""What befell the vehicle in a followed run, so that its figures are none of the manoeuvre."""
+"""Driving failures in a followed run, after which its figures say nothing of the manoeuvre."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vehicledyn.analyses.preparation.doubts.bent_beams import BentBeams
-from vehicledyn.analyses.simulation.lost_driver import PATH_ERROR, lost_driver
+from vehicledyn.analyses.preparation.validity.bent_beams import BentBeams
+from vehicledyn.analyses.simulation.lost_control import PATH_ERROR, lost_control
 from vehicledyn.analyses.simulation.wanted_outputs import needed_channels
 from vehicledyn.road.manoeuvres.channel_recorder import Recording
 
@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
 
 
-def mishap(study: MotionStudy, motion: MotionSlopes) -> str:
-    """Return how a run lost its vehicle, with time and place; empty if it did not.
+def driving_failure(study: MotionStudy, motion: MotionSlopes) -> str:
+    """Return how the vehicle failed in a run, with time and place; empty if it did not.
 
     It overturned, derailed or lifted off, or its driver came too far from the path. An event that
     ends a run well is none.
@@ -35,16 +35,16 @@ def mishap(study: MotionStudy, motion: MotionSlopes) -> str:
         {channel.name: row for channel, row in zip(channels, motion.values.T, strict=True)},
         {channel.name: channel.unit for channel in channels},
     )
-    return lost_driver(study.prepared.subject.summarise(recording))
+    return lost_control(study.prepared.subject.summarise(recording))
 
 
-def mishap_of(study: MotionStudy) -> str:
+def driving_failure_of_run(study: MotionStudy) -> str:
     """Return the same of the run itself, for a study that follows few channels."""
     prepared = study.prepared
     if PATH_ERROR not in [channel.name for channel in prepared.equations.channels]:
         return ""
     whole = replace(study, channels=needed_channels(prepared))
-    return mishap(whole, whole.plain(lambda *_: None))
+    return driving_failure(whole, whole.plain(lambda *_: None))
 
 
 def bent_beams(study: MotionStudy, motion: MotionSlopes) -> list[str]:

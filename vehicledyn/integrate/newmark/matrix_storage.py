@@ -16,7 +16,7 @@ from vehicledyn.kernel.newmark.newmark_code import RunRecord
 _LISTS = ("starts", "rows", "places", "levers", "colour_starts", "colour_columns", "order")
 
 
-def matrix_room(
+def matrix_storage(
     pattern: MatrixPattern, room: Callable[[int], Vector], lanes: int = 1
 ) -> dict[str, NDArray[Any]]:
     """Return arrays for Jacobians, one matrix and factors, by their names in the record.

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from vehicledyn.analyses.preparation.vague_starts import refuse_vague_start
+from vehicledyn.analyses.preparation.coarse_starts import refuse_coarse_start
 from vehicledyn.base.errors import InputError
 
 EQUATIONS = SimpleNamespace(
@@ -22,9 +22,9 @@ EQUATIONS = SimpleNamespace(
 @pytest.mark.parametrize("value", [1e17, -1e308, 7e7, np.inf, np.nan])
 def test_large_starts_are_refused_by_name(value):
     with pytest.raises(InputError, match=r"'arm\.angle_rate': .* is too large to start") as told:
-        refuse_vague_start(EQUATIONS, np.array([1.0, value, 0.0]))
+        refuse_coarse_start(EQUATIONS, np.array([1.0, value, 0.0]))
     assert list(told.value.about) == ["arm.angle_rate"]
 
 
 def test_usual_starts_and_other_states_pass():
-    refuse_vague_start(EQUATIONS, np.array([6e7, -6e7, 1e12]))
+    refuse_coarse_start(EQUATIONS, np.array([6e7, -6e7, 1e12]))

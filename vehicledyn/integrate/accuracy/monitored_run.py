@@ -74,7 +74,7 @@ class _View(NamedTuple):
 
 
 @dataclass
-class WatchedRun:
+class MonitoredRun:
     """Collects what is needed to judge a run with a fixed step.
 
     ``equations`` are those whose channels the run delivers; the kernel may change on the way.
@@ -216,7 +216,7 @@ class WatchedRun:
         grown = kernel.equations.states[column]
         step = self.stable_step() if self.places else None
         is_known = step is not None and step < self.grid.step
-        advice = f"a step of {step * 1e3:.4g} ms" if is_known else "a shorter step"
+        advice = f"a step of {step * 1e3:.4g} ms" if step and is_known else "a shorter step"
         return (
             f"state '{grown.name}' is {state[column]:.3g} {grown.unit} at t = {time:.9g} s: the "
             f"integration diverges with a step of {self.grid.step * 1e3:.4g} ms; take {advice}"

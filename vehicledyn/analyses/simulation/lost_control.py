@@ -1,4 +1,4 @@
-"""What a run says whose driver lost the car."""
+"""When and where the driver of a run lost control of the car."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ PATH_ERROR = "driver.path_error"
 _TIME, _PLACES = "lost_at_time", ("lost_at_x", "lost_at_distance")
 
 
-def lost_driver(summary: Iterable[SummaryEntry]) -> str:
+def lost_control(summary: Iterable[SummaryEntry]) -> str:
     """Return when and where the driver lost the car by the summary; empty if he did not."""
     found = {entry.name: entry for entry in summary if entry.name in (_TIME, *_PLACES)}
     if _TIME not in found:

@@ -1,4 +1,4 @@
-"""Ground of any kind as rolling cams feel it: their lift, on lines along the road."""
+"""Ground of any kind as tandem cams envelop it: their lift, on lines along the road."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ MOST_NODES = 2_000_000
 
 
 @dataclass(frozen=True)
-class FeltGround:
+class EnvelopedGround:
     """Effective height and slope over places u along and v across the road [m].
 
     Two cams feel the mean of their lifts and the slope between them.
@@ -57,7 +57,7 @@ class FeltGround:
         return u - 0.5 * spacing, u + 0.5 * spacing
 
 
-def felt_ground(
+def enveloped_ground(
     height: Callable[[Any, Any], Any],
     tandem: Tandem,
     along: tuple[float, float],
@@ -65,7 +65,7 @@ def felt_ground(
     step: float,
     *,
     anchor: float = 0.0,
-) -> FeltGround:
+) -> EnvelopedGround:
     """Return what cams feel of a ground.
 
     Parameters
@@ -96,7 +96,7 @@ def felt_ground(
     lines = [number(places[None, :], np.full((1, len(places)), at))[0] for at in across]
     lift = tandem.cam.even_lift(np.stack(lines, axis=1), step)
     table = GridTable("felt road", anchor + step * start, step, across, lift)
-    return FeltGround(table, tandem.spacing)
+    return EnvelopedGround(table, tandem.spacing)
 
 
 def samples(

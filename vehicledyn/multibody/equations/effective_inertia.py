@@ -1,4 +1,4 @@
-"""The inertia that each joint of an open tree feels, in a time that grows with the number of links.
+"""Effective inertia at each joint of an open tree, in a time that grows with the number of links.
 
 What a link carries is kept as rows S with kinetic energy ½ |S v|² of its motion v = (ω, velocity).
 A free joint with the unit motion s and the reflected inertia I feels √(|S s|² + I); beyond it, seen

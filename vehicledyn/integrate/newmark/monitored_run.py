@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from vehicledyn.integrate.accuracy.watched_run import Rerun, Way
+from vehicledyn.integrate.accuracy.monitored_run import Rerun, Way
 from vehicledyn.integrate.accuracy.windows import Grid, WindowStart
 from vehicledyn.integrate.fixed_step import steps_per_interval, watch_of
 from vehicledyn.integrate.newmark.family import run_newmark
@@ -14,7 +14,7 @@ from vehicledyn.integrate.task import Sink, Statistics, Task
 from vehicledyn.kernel.engine import Method
 
 
-def watched_method(
+def monitored_method(
     weights: Weights, constraints: Constraints, tolerance: float | None
 ) -> int | None:
     """Return the method as the watch knows it, None where steps follow a tolerance."""
@@ -24,7 +24,7 @@ def watched_method(
     return family + weights.order
 
 
-def run_watched(task: Task, name: str, solver: Any, weights: Weights) -> Statistics:
+def run_monitored(task: Task, name: str, solver: Any, weights: Weights) -> Statistics:
     """Integrate a task with a method of the family, and judge how accurate it was.
 
     Parameters
@@ -44,10 +44,10 @@ def run_watched(task: Task, name: str, solver: Any, weights: Weights) -> Statist
         If the run cannot go on, or has diverged.
     """
     watch, more = None, {"constraints": solver.constraints, "velocities": solver.velocities}
-    if task.watched and solver.watched_method is not None:
+    if task.watched and solver.monitored_method is not None:
         per_interval = steps_per_interval(solver.step, task.interval)
         times = task.start, task.interval, per_interval, task.n_intervals
-        watch = watch_of(task, Grid(solver.watched_method, *times, solver), rerun_of(solver))
+        watch = watch_of(task, Grid(solver.monitored_method, *times, solver), rerun_of(solver))
     found = run_newmark(task, name, weights, solver.step, tolerance=solver.tolerance, **more)
     if watch is None:
         return found

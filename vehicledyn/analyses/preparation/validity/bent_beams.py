@@ -26,7 +26,7 @@ _END = ".tip_y"
 
 
 @dataclass(frozen=True)
-class WatchedBeams:
+class MonitoredBeams:
     """Beams by assumed modes of moderate deflections.
 
     ``columns`` are those of the deflections of their ends among the channels, along y and z;
@@ -38,22 +38,22 @@ class WatchedBeams:
     lengths: Callable[[Matrix], Matrix] = np.asarray
 
     @staticmethod
-    def of(prepared: Prepared) -> WatchedBeams:
+    def of(prepared: Prepared) -> MonitoredBeams:
         """Return those of a system."""
         channels = [channel.name for channel in prepared.equations.channels]
         if not any(name.endswith(_END) for name in channels):
-            return WatchedBeams()
+            return MonitoredBeams()
         from vehicledyn.multibody.elements.flexible.beam import Beam
 
         system = prepared.subject.system
         beams = [part for part in system.parts if isinstance(part, Beam) and part.model == "modes"]
         if not beams:
-            return WatchedBeams()
+            return MonitoredBeams()
         symbols = ops.column([entry.symbol for entry in system.table.entries])
         values = ops.numeric([symbols], ops.column([beam.length for beam in beams]))
         names = [beam.name for beam in beams]
         columns = [(channels.index(f"{n}{_END}"), channels.index(f"{n}.tip_z")) for n in names]
-        return WatchedBeams(names, columns, lambda parameters: values(parameters)[:, 0])
+        return MonitoredBeams(names, columns, lambda parameters: values(parameters)[:, 0])
 
     def bends(self, channel: Callable[[int], Matrix], parameters: Matrix) -> dict[str, Matrix]:
         """Return how far the ends move aside over the lengths, from the channels by number."""
@@ -70,14 +70,14 @@ class WatchedBeams:
 class BentBeams:
     """Watches the ends of beams in samples as they come; :meth:`remarks` says which bent far."""
 
-    watched: WatchedBeams
+    watched: MonitoredBeams
     parameters: Matrix
     _largest: dict[str, tuple[float, float]] = field(default_factory=dict)
 
     @staticmethod
     def of(prepared: Prepared) -> BentBeams:
         """Return a watch on the beams of a system."""
-        return BentBeams(WatchedBeams.of(prepared), prepared.kernel.parameters)
+        return BentBeams(MonitoredBeams.of(prepared), prepared.kernel.parameters)
 
     def take(self, times: Matrix, outputs: Matrix) -> None:
         """Look at samples, shapes (n,) and (n, n_channels)."""
@@ -116,7 +116,7 @@ def bent_among(prepared: Prepared, points: Iterable[tuple[str, Kernel, Point]]) 
 
     Each has words for the place, such as "at speed = 3 m/s", and its own kernel.
     """
-    watched = WatchedBeams.of(prepared)
+    watched = MonitoredBeams.of(prepared)
     if not watched.names:
         return []
     time, largest = prepared.subject.balance_time, dict[str, tuple[float, str]]()

@@ -1,1 +1,0 @@
-"""What makes points and motions doubtful: what a model leaves out, or rounds."""
