@@ -28,7 +28,7 @@ import numpy as np
 import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.analyses import run_scenario
 from vehicledyn.analyses.simulation.judgement import judged_by
-from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_watched
+from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_monitored
 from vehicledyn.analyses.simulation.prepared_run import prepare_run
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.base.registry import find
@@ -147,7 +147,7 @@ def record(name, solver, interval):
 
     with np.errstate(all="ignore"):
         try:
-            outcome = simulate_watched(
+            outcome = simulate_monitored(
                 made.subject.system,
                 made.kernel,
                 solver,

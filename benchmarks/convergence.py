@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 import vehicledyn.catalogue  # noqa: F401
-from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_watched
+from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_monitored
 from vehicledyn.analyses.simulation.prepared_run import prepare_run
 from vehicledyn.files.scenario import load_scenario
 
@@ -70,7 +70,7 @@ def record(s, prepared, start, parts=1):
         values.append(y.copy())
 
     begun = time.process_time()
-    simulate_watched(
+    simulate_monitored(
         prepared.subject.system,
         prepared.kernel,
         refined(s.solver, parts),

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 import vehicledyn.catalogue  # noqa: F401
-from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_watched
+from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_monitored
 from vehicledyn.base.registry import find
 from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.multibody import derive
@@ -37,7 +37,7 @@ def measure(count: int) -> str:
     outputs = kernel.outputs(0.0, state, [])
     prepared = time.process_time()
     found: list[np.ndarray] = [outputs[None]]
-    statistics = simulate_watched(
+    statistics = simulate_monitored(
         system,
         kernel,
         find("solver", "rk4")(step=STEP),

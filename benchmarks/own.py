@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 
 import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.analyses.preparation.prepare import prepare, start_point
-from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_watched
+from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_monitored
 from vehicledyn.base.registry import find
 from vehicledyn.codegen.toolchain.compiler import suitable_lanes
 from vehicledyn.files.scenario import load_scenario
@@ -140,7 +140,7 @@ class FourBarChain:
         """Return processor and wall time of a simulation [s] and its error [m]."""
         s, prepared, samples = self._scenario, self._prepared, []
         started, wall = time.process_time(), time.perf_counter()
-        simulate_watched(
+        simulate_monitored(
             prepared.subject.system,
             prepared.kernel,
             s.solver,
