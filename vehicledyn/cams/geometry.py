@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.cams.analytic import direction, length
 from vehicledyn.cams.follower import Follower, LineFollower, PointFollower
 from vehicledyn.cams.followers.axial import AxialRoller
 
@@ -85,13 +86,13 @@ def _of_point(follower: PointFollower, motion: Motion) -> CamGeometry:
     bend = centre.second * motion.slope**2 + centre.first * motion.second
     along = velocity - _left(centre.place)
     curving = bend - 2.0 * _left(velocity) - centre.place
-    size = np.hypot(*along)
+    size = length(*along)
     normal = _left(along) / size
     with np.errstate(divide="ignore"):
         radius = -(size**3) / crossed(along, curving)
-    towards = centre.first / np.hypot(*centre.first)
+    towards = centre.first / length(*centre.first)
     sign = follower.pressure_sign()
-    pressure = sign * np.arctan2(crossed(towards, normal), np.sum(towards * normal, axis=0))
+    pressure = sign * direction(crossed(towards, normal), np.sum(towards * normal, axis=0))
     pitch = turned(-motion.theta, centre.place)
     profile = pitch - follower.roller * turned(-motion.theta, normal)
     return CamGeometry(
@@ -135,7 +136,7 @@ def _of_line(follower: LineFollower, motion: Motion) -> CamGeometry:
 
 def _of_axial(follower: AxialRoller, motion: Motion) -> CamGeometry:
     around = follower.distance * np.ones_like(motion.theta)
-    size = np.hypot(around, motion.slope)
+    size = length(around, motion.slope)
     normal = np.array([-motion.slope, around]) / size
     with np.errstate(divide="ignore"):
         radius = -(size**3) / (around * motion.second)
@@ -144,7 +145,7 @@ def _of_axial(follower: AxialRoller, motion: Motion) -> CamGeometry:
         motion,
         pitch,
         pitch - follower.roller * normal,
-        np.arctan2(motion.slope, around),
+        direction(motion.slope, around),
         radius,
         radius - follower.roller,
         normal[1],

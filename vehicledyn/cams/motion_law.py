@@ -31,7 +31,7 @@ class MotionLaw(ParameterSet):
     @property
     def rise(self) -> float:
         """What it rises by [m or rad]."""
-        return float(self.lift if self.lift is not None else self.swing or 0.0)
+        return self.lift if self.lift is not None else self.swing or 0.0
 
     @property
     def turns(self) -> bool:

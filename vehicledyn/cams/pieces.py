@@ -9,6 +9,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -92,14 +93,19 @@ class PieceCurve:
     def derivatives(self, x: Array) -> Array:
         """Return value and derivatives by x, shape (ORDERS, n); of the right piece at a knot."""
         x = np.asarray(x, dtype=float)
-        found = np.zeros((ORDERS, x.size))
-        begins = np.array([piece.begin for piece in self.pieces])
+        begins = np.array([piece.begin for piece in self.pieces]).real
+        found: Any = None
         owner = np.clip(np.searchsorted(begins, x, side="right") - 1, 0, len(begins) - 1)
         for k, piece in enumerate(self.pieces):
             inside = owner == k
             if inside.any():
-                found[:, inside] = piece.derivatives(x[inside])
-        return found
+                part = piece.derivatives(x[inside])
+                if found is None:
+                    found = np.zeros((ORDERS, x.size), dtype=part.dtype)
+                elif np.iscomplexobj(part):
+                    found = found.astype(complex)
+                found[:, inside] = part
+        return np.zeros((ORDERS, 0)) if found is None else np.asarray(found)
 
     def value(self, x: Scalar) -> Scalar:
         """Return the value as an expression, at a place between begin and end."""

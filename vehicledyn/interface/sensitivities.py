@@ -36,7 +36,8 @@ def sensitivity(
     ----------
     scenario
         Path or name of a scenario or model, a System, or what :func:`vehicledyn.load` returned;
-        of ``tyre(...)`` a tyre property file, of ``profiles(...)`` a wheel profile.
+        of ``tyre(...)`` a tyre property file, of ``profiles(...)`` a wheel profile, of
+        ``cam(...)`` the file of a cam.
     of
         Key figures of the run, channels, or figures of channels such as ``max(chassis.roll)``;
         or of the linearised model: ``eigenvalues``, ``mode_shapes``, ``critical_speed`` and
@@ -51,7 +52,8 @@ def sensitivity(
         ``rig(left.toe_gain, parallel)`` and ``rig(left.camber, roll, -2 deg:2 deg:4)``;
         or of steady cornering, such as ``steady(understeer_gradient, constant_radius)``; or of a
         tyre file, such as ``tyre(lateral_force, 4000 N, slip_angle=4 deg)``, or of a wheel
-        profile, such as ``profiles(radius_difference, 2 mm, rail=60E1)``.
+        profile, such as ``profiles(radius_difference, 2 mm, rail=60E1)``, or of a cam, such as
+        ``cam(peak(pressure_angle))``.
     to
         Parameters, by patterns such as ``parameters.front.*``, and start values of states, such
         as ``start.chassis.y``.

@@ -1,5 +1,6 @@
 """Derivatives of the forces of tyre property files by their coefficients."""
 
+import sys
 from itertools import pairwise
 
 import numpy as np
@@ -7,6 +8,7 @@ import pytest
 
 import vehicledyn as vd
 from vehicledyn.base.errors import InputError
+from vehicledyn.cli import main
 from vehicledyn.road.tyres.tyre import TyreInput
 from vehicledyn.road.tyres.tyre_of_file import TyreOfFile
 
@@ -75,3 +77,11 @@ def test_names_are_checked(source, of, to, match):
 def test_nothing_is_set_in_a_file():
     with pytest.raises(InputError, match="nothing is set"):
         vd.sensitivity(FILES["mf61"], "tyre(lateral_force, 4 kN)", set={"PDY1": 1.0})
+
+
+def test_nothing_is_set_in_a_file_on_the_command_line(capsys, monkeypatch):
+    of = ["--of", "tyre(lateral_force, 4 kN)", "--set", "PDY1=2"]
+    monkeypatch.setattr(sys, "argv", ["vehicledyn", "sensitivity", FILES["mf61"], *of])
+    with pytest.raises(SystemExit):
+        main()
+    assert "nothing is set" in capsys.readouterr().err

@@ -112,7 +112,7 @@ def test_every_analysis_is_asked_for_or_refused():
         and found.__annotations__.get("return") in ("LabelledData", "LinearModel")
     ]
     assert {"equilibrium", "rig", "hunt"} < set(analyses)
-    own = {"kinematics", "inverse", "rig", "steady", "tyre", "open_result"}
+    own = {"kinematics", "inverse", "rig", "steady", "tyre", "cam", "open_result"}
     assert not set(analyses) - own - set(REASONS)
 
 

@@ -93,6 +93,12 @@ def _profiles() -> Loaded:
     return find_contact_sensitivity, ()
 
 
+def _cam() -> Loaded:
+    from vehicledyn.analyses.sensitivity.cam_figures import find_cam_sensitivity
+
+    return find_cam_sensitivity, ()
+
+
 def _run() -> Loaded:
     from vehicledyn.analyses.sensitivity import motion, motion_study
 
@@ -116,6 +122,7 @@ ANALYSES = {
     "steady": Analysis(_called("steady"), _steady),
     "tyre": Analysis(_called("tyre"), _tyre, subject="file"),
     "profiles": Analysis(_called("profiles"), _profiles, subject="file"),
+    "cam": Analysis(_called("cam"), _cam, subject="file"),
     RUN: Analysis(lambda _: True, _run, subject="scenario"),
 }
 """Analyses by name; a figure belongs to the first that owns its name."""

@@ -25,7 +25,6 @@ REASONS = {
     "run": "ask for channels and key figures by their names",
     "contact_geometry": "ask for profiles(QUANTITY, SHIFT, rail=60E1) of a wheel profile",
     "track": _GEOMETRY,
-    "cam": _GEOMETRY,
     "assess": "it filters a stored result; ask for figures of the run",
     "compare": "it compares stored results",
     "sweep": _STUDY,

@@ -14,6 +14,7 @@ from pydantic import Field
 
 from vehicledyn.base.parameters import quantity
 from vehicledyn.base.registry import register
+from vehicledyn.cams.analytic import arc_cosine, arc_sine, direction
 from vehicledyn.cams.follower import (
     Array,
     CentreMotion,
@@ -41,7 +42,7 @@ class _Rocker(PointFollower):
         """Return ψ on the base circle [rad]."""
         prime = base_radius + self.roller
         least, most = abs(self.pivot - self.arm), self.pivot + self.arm
-        if not least < prime < most:
+        if not least < prime.real < most.real:
             word = "longer" if self.arm > self.pivot else "shorter"
             raise ValueError(
                 f"the arm of {1e3 * self.arm:g} mm is {word} than its cam allows: with the pivot "
@@ -50,7 +51,10 @@ class _Rocker(PointFollower):
                 f"take an arm between {1e3 * abs(self.pivot - prime):g} and "
                 f"{1e3 * (self.pivot + prime):g} mm"
             )
-        return math.acos((self.pivot**2 + self.arm**2 - prime**2) / (2.0 * self.pivot * self.arm))
+        angle: float = arc_cosine(
+            (self.pivot**2 + self.arm**2 - prime**2) / (2.0 * self.pivot * self.arm)
+        )
+        return angle
 
     def check_reach(self, coordinate: Array) -> None:
         """Refuse arms that turn beyond the line through pivot and axis."""
@@ -121,12 +125,13 @@ class RockingFace(LineFollower):
     def start(self, base_radius: float) -> float:
         """Return ψ on the base circle [rad]."""
         reach = base_radius + self.offset
-        if abs(reach) >= self.pivot:
+        if abs(reach) >= self.pivot.real:
             raise ValueError(
                 f"the face does not reach the base circle: {1e3 * reach:g} mm of base radius and "
                 f"offset pass the pivot at {1e3 * self.pivot:g} mm; move the pivot away"
             )
-        return math.asin(reach / self.pivot)
+        angle: float = arc_sine(reach / self.pivot)
+        return angle
 
     def check_reach(self, coordinate: Array) -> None:
         """Refuse faces that pass the direction square to the line from pivot to axis."""
@@ -146,7 +151,7 @@ class RockingFace(LineFollower):
 
     def pressure_angle(self, along: Array) -> Array:
         """Return the angle of the normal against the motion of the touching point [rad]."""
-        return np.arctan2(self.offset, along)
+        return np.asarray(direction(self.offset, along))
 
     def located(self, angle: Scalar, distance: Scalar) -> tuple[Scalar, Scalar]:
         """Return ψ and the angle of the cam."""

@@ -9,6 +9,7 @@ import numpy as np
 
 from vehicledyn.base.parameters import quantity
 from vehicledyn.base.registry import register
+from vehicledyn.cams.analytic import cosine, sine, square_root
 from vehicledyn.cams.follower import (
     Array,
     CentreMotion,
@@ -28,12 +29,13 @@ class _Sliding(PointFollower):
     def start(self, base_radius: float) -> float:
         """Return the height of the centre on the base circle [m]."""
         prime = base_radius + self.roller
-        if abs(self.offset) >= prime:
+        if abs(self.offset) >= prime.real:
             raise ValueError(
                 f"the offset of {1e3 * self.offset:g} mm passes the base circle, whose radius with "
                 f"the roller's is {1e3 * prime:g} mm; make it smaller"
             )
-        return math.sqrt(prime**2 - self.offset**2)
+        height: float = square_root(prime**2 - self.offset**2)
+        return height
 
     def check_reach(self, coordinate: Array) -> None:
         """Refuse centres below the axis."""
@@ -87,7 +89,8 @@ class SlidingFace(LineFollower):
 
     def start(self, base_radius: float) -> float:
         """Return the height of the face on the base circle [m]."""
-        return base_radius / math.cos(self.tilt)
+        height: float = base_radius / cosine(self.tilt)
+        return height
 
     def check_reach(self, coordinate: Array) -> None:
         """Refuse faces below the axis."""
@@ -96,13 +99,13 @@ class SlidingFace(LineFollower):
 
     def line(self, coordinate: Array) -> LineMotion:
         """Return the face."""
-        cosine, one = math.cos(self.tilt), np.ones_like(coordinate)
+        c, one = cosine(self.tilt), np.ones_like(coordinate)
         angle = (0.5 * math.pi + self.tilt) * one
-        return LineMotion(angle, 0.0, cosine * coordinate, cosine * one, 0.0 * one)
+        return LineMotion(angle, 0.0, c * coordinate, c * one, 0.0 * one)
 
     def pressure_angle(self, along: Array) -> Array:
         """Return the tilt [rad]."""
-        return np.full_like(along, self.tilt)
+        return self.tilt * np.ones_like(along)
 
     def located(self, angle: Scalar, distance: Scalar) -> tuple[Scalar, Scalar]:
         """Return the height and the angle of the cam."""
@@ -110,6 +113,6 @@ class SlidingFace(LineFollower):
 
     def along_face(self, coordinate: Array, contact: Array) -> Array:
         """Return the place from the axis of travel, towards +X [m]."""
-        along = np.array([math.cos(self.tilt), math.sin(self.tilt)])
+        along = np.array([cosine(self.tilt), sine(self.tilt)])
         from_axis = contact - np.array([np.zeros_like(coordinate), coordinate])
         return np.asarray(along @ from_axis)

@@ -32,7 +32,8 @@ def sensitivity(
             "'gain(OUTPUT, INPUT, 1.5 Hz)', 'phase(...)', 'kinematics(CHANNEL, DRIVE, VALUES)', "
             "'inverse(CHANNEL)', 'rig(QUANTITY, TEST, VALUES)', "
             "'steady(QUANTITY, METHOD, VALUES)', of a tyre file 'tyre(FORCE, LOAD, "
-            "slip_angle=4 deg)', of a wheel profile 'profiles(roll, 2 mm, rail=60E1)'; "
+            "slip_angle=4 deg)', of a wheel profile 'profiles(roll, 2 mm, rail=60E1)', "
+            "of a cam 'cam(lift, 30 deg)'; "
             "may be repeated.",
         ),
     ],
@@ -73,7 +74,7 @@ def sensitivity(
         of,
         to or ["parameters.*"],
         speed=speed,
-        set=overrides if is_file else None,
+        set=dict(item.partition("=")[::2] for item in overrides or ()) if is_file else None,
         save_to=output if is_result else None,
         overwrite=True,
         resume=resume,

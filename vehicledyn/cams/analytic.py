@@ -1,0 +1,53 @@
+"""Functions that take steps into the complex plane, so that these differentiate what they give.
+
+Of real numbers they are those of ``math`` and NumPy.
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from typing import Any
+
+import numpy as np
+
+
+def square_root(x: Any) -> Any:
+    """Return √x."""
+    return cmath.sqrt(x) if isinstance(x, complex) else math.sqrt(x)
+
+
+def arc_cosine(x: Any) -> Any:
+    """Return the angle of a cosine within -1 to 1 [rad]."""
+    return cmath.acos(x) if isinstance(x, complex) else math.acos(x)
+
+
+def arc_sine(x: Any) -> Any:
+    """Return the angle of a sine within -1 to 1 [rad]."""
+    return cmath.asin(x) if isinstance(x, complex) else math.asin(x)
+
+
+def cosine(x: Any) -> Any:
+    """Return cos x."""
+    return cmath.cos(x) if isinstance(x, complex) else math.cos(x)
+
+
+def sine(x: Any) -> Any:
+    """Return sin x."""
+    return cmath.sin(x) if isinstance(x, complex) else math.sin(x)
+
+
+def length(x: Any, y: Any) -> Any:
+    """Return √(x² + y²), element by element."""
+    if np.iscomplexobj(x) or np.iscomplexobj(y):
+        return np.sqrt(x * x + y * y)
+    return np.hypot(x, y)
+
+
+def direction(y: Any, x: Any) -> Any:
+    """Return the angle of (x, y) within -π to π, element by element [rad]."""
+    angle = np.arctan2(np.real(y), np.real(x))
+    if np.iscomplexobj(x) or np.iscomplexobj(y):
+        turned = np.real(x) * np.imag(y) - np.real(y) * np.imag(x)
+        return angle + 1j * turned / (np.real(x) ** 2 + np.real(y) ** 2)
+    return angle
