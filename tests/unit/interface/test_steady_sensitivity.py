@@ -1,5 +1,6 @@
 """Derivatives of steady cornering by parameters of a car."""
 
+import numpy as np
 import pytest
 
 import vehicledyn as vd
@@ -44,6 +45,7 @@ def test_a_car_on_linear_tyres_follows_the_single_track_model(tmp_path):
         ("steady(understeer_gradiant, constant_radius)", "*", "did you mean 'understeer_gradient'"),
         ("steady(steering_angle, constant_radios, 1 m/s^2)", "*", "did you mean 'constant_radius'"),
         ("steady(understeer_gradient, constant_speed, 1 m/s^2)", "*", "give no values"),
+        ("steady(limit, constant_speed, 1 m/s^2)", "*", "give no values"),
         ("steady(steering_angle, constant_speed)", "*", "needs lateral accelerations"),
         ("steady(steering_angle, constant_speed, 1 m)", "*", "m/s"),
         ("steady(steering_angle, constant_speed, -1 m/s^2)", "*", "above zero"),
@@ -54,6 +56,23 @@ def test_a_car_on_linear_tyres_follows_the_single_track_model(tmp_path):
 def test_names_are_checked(of, to, match):
     with pytest.raises(InputError, match=match):
         vd.sensitivity("small_car", of, to)
+
+
+@pytest.mark.long
+def test_limits_follow_the_track():
+    """The fold of the curve of turns, by differences of folds found anew."""
+    of = "steady(limit, constant_speed, speed=20 m/s)"
+
+    def limit(track):
+        return vd.sensitivity("small_car", of, "track", set={"parameters.track": f"{track!r} m"})
+
+    found = limit(1.4)
+    wide, near = (
+        float(np.diff([limit(1.4 + d)["figure_value"].values[0] for d in (-h, h)])[0]) / (2.0 * h)
+        for h in (4e-3, 2e-3)
+    )
+    exact = (4.0 * near - wide) / 3.0
+    assert found["figure_slope"].values[0, 0] == pytest.approx(exact, rel=1e-8)
 
 
 @pytest.mark.long

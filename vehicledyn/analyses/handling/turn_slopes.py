@@ -16,10 +16,11 @@ from vehicledyn.analyses.handling.circle import QUANTITIES, channels_described, 
 from vehicledyn.analyses.handling.slow_turn import slope_at_rest, slow_turns
 from vehicledyn.analyses.handling.steady_turn import SteadyTurn
 from vehicledyn.analyses.handling.tested_car import CarPoint
-from vehicledyn.analyses.handling.turn_equations import Turn
+from vehicledyn.analyses.handling.turn_equations import Turn, TurnOf
+from vehicledyn.analyses.handling.turn_limit import TurnLimit
 from vehicledyn.analyses.preparation.build_model import build_subject
 from vehicledyn.base.errors import NumericalError
-from vehicledyn.kernel.derivatives import Derivatives
+from vehicledyn.kernel.derivatives import Derivatives, TotalDerivatives
 
 Vector = NDArray[np.float64]
 
@@ -120,19 +121,8 @@ class TurnSlopes:
         s, own = solver.states, self.parameters
         unknowns = solver.unknowns(turn, point)
         rows = solver.search(turn, point).evaluate(unknowns)[1]
-        total = self._derivatives.total(0.0, point.state, point.unknowns, point.parameters)
-        state = np.zeros((len(point.state), len(own)))
-        share = 1.0
-        if s.pedal is not None and car.vehicle.throttle is not None:
-            torque = car.vehicle.throttle.torque
-            gain = point.parameters[car.place("test.integral_gain")]
-            share = car.worth(torque) / gain
-            by_full = self._by_own(car.vehicle.worth_slopes(torque))
-            state[s.integral] = unknowns[-1] * by_full / gain
-        pushed = np.zeros((len(unknowns), len(own)))
-        pushed[: len(s.balanced)] = (
-            total.rates_by_parameter[np.ix_(s.balanced, own)] + total.rates[s.balanced] @ state
-        )
+        total, state, share = self._parts(point, unknowns)
+        pushed = self._pushed(total, state, len(unknowns))
         try:
             follow = -np.linalg.solve(rows, pushed)
         except np.linalg.LinAlgError:
@@ -146,3 +136,35 @@ class TurnSlopes:
         parameters[car.place(_SPEED)] = state[s.motion[0]]
         parameters[self._angle] = follow[-2]
         return np.asarray(total.outputs @ state + total.outputs_by_parameter @ parameters)
+
+    def limit(self, turn: TurnOf, found: TurnLimit) -> Vector:
+        """Return the value of a limit, then its derivatives, (1 + n_parameters,)."""
+        unknowns = self.solver.unknowns(turn(found.value), found.point)
+        total, state, _ = self._parts(found.point, unknowns)
+        pushed = self._pushed(total, state, len(unknowns))
+        return np.concatenate([[found.value], -found.row @ pushed])
+
+    def _parts(self, point: CarPoint, unknowns: Vector) -> tuple[TotalDerivatives, Vector, float]:
+        """Return derivatives at a turn, those of states that no unknown is, and a share.
+
+        The share is what the controller's integral moves by with the drive among the unknowns.
+        """
+        car, s, own = self.solver.car, self.solver.states, self.parameters
+        total = self._derivatives.total(0.0, point.state, point.unknowns, point.parameters)
+        state = np.zeros((len(point.state), len(own)))
+        share = 1.0
+        if s.pedal is not None and car.vehicle.throttle is not None:
+            torque = car.vehicle.throttle.torque
+            gain = point.parameters[car.place("test.integral_gain")]
+            share = car.worth(torque) / gain
+            by_full = self._by_own(car.vehicle.worth_slopes(torque))
+            state[s.integral] = unknowns[-1] * by_full / gain
+        return total, state, share
+
+    def _pushed(self, total: TotalDerivatives, state: Vector, size: int) -> Vector:
+        """Return the derivatives of what is unbalanced by the car's parameters, (size, n)."""
+        balanced, own = self.solver.states.balanced, self.parameters
+        pushed = np.zeros((size, len(own)))
+        by_parameter = total.rates_by_parameter[np.ix_(balanced, own)]
+        pushed[: len(balanced)] = by_parameter + total.rates[balanced] @ state
+        return pushed

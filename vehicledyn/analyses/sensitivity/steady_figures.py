@@ -32,6 +32,7 @@ from vehicledyn.analyses.handling.steady import (
 from vehicledyn.analyses.handling.steady_turn import SteadyTurn, solver_for
 from vehicledyn.analyses.handling.tested_car import CONTROL, CarPoint, TestedCar
 from vehicledyn.analyses.handling.turn_equations import TurnOf
+from vehicledyn.analyses.handling.turn_limit import limit_turn
 from vehicledyn.analyses.handling.turn_slopes import TurnSlopes
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.analyses.sensitivity.called import called_parts
@@ -51,6 +52,7 @@ KINDS = (CarPoint,)
 """Results of steps that a memory knows."""
 
 _FORM = "steady(QUANTITY, constant_speed|constant_radius, 1 m/s^2:4 m/s^2:3)"
+_LIMIT = "limit"
 _LINES = {name: (quantity, words) for quantity, name, words in GRADIENTS}
 
 
@@ -121,7 +123,7 @@ def find_steady_sensitivity(
     figures: dict[str, tuple[Quantity, Floats]] = {}
     for item in asked:
         progress(f"differentiating {item.quantity}", None)
-        find = _values if item.values else _gradient
+        find = _values if item.values else _limit if item.quantity == _LIMIT else _gradient
         figures |= {quantity.name: (quantity, row) for quantity, row in find(slopes, item)}
     rows = np.array([row for _, row in figures.values()])
     return SensitivityTable(
@@ -194,6 +196,23 @@ def _gradient(slopes: TurnSlopes, asked: _Asked) -> Iterator[tuple[Quantity, Flo
     yield Quantity(f"{asked.quantity}, {_where(asked)}", "rad*s^2/m", text), found
 
 
+def _limit(slopes: TurnSlopes, asked: _Asked) -> Iterator[tuple[Quantity, Floats]]:
+    """Yield the largest lateral acceleration of a steady turn, with derivatives."""
+    method = _METHODS[asked.method]
+    curve = method.curve(slopes.solver, asked.given)
+    if not np.isfinite(curve.limit):
+        why = curve.reason or "no turn was found on the way"
+        raise NumericalError(
+            f"{curve.method}: the turns end before the curve comes back ({why}), so that the end "
+            "has no derivative"
+        )
+    turns, lateral = method.turns(asked.given), curve.values["lateral_acceleration"]
+    known = [(float(lateral[k]), curve.points[k]) for k in (-2, -1)]
+    found = slopes.limit(turns, limit_turn(slopes.solver, turns, *known))
+    words = "Largest lateral acceleration of a steady turn"
+    yield Quantity(f"limit, {_where(asked)}", "m/s^2", words), found
+
+
 def _parsed(name: str) -> _Asked:
     """Return what a name asks for.
 
@@ -205,14 +224,16 @@ def _parsed(name: str) -> _Asked:
     settings = [method.setting for method in _METHODS.values()]
     parts, options = called_parts(name, _FORM, (2, 3), settings)
     quantity, method = parts[:2]
-    if quantity not in (*QUANTITIES, *_LINES):
-        raise InputError(f"'{name}': {unknown_name('quantity', quantity, [*QUANTITIES, *_LINES])}")
+    of_curves = (*_LINES, _LIMIT)
+    if quantity not in (*QUANTITIES, *of_curves):
+        known = [*QUANTITIES, *of_curves]
+        raise InputError(f"'{name}': {unknown_name('quantity', quantity, known)}")
     if method not in _METHODS:
         raise InputError(f"'{name}': {unknown_name('method', method, _METHODS)}")
-    if (quantity in _LINES) == (len(parts) > 2):
+    if (quantity in of_curves) == (len(parts) > 2):
         what = (
-            f"is taken from {GRADIENT_FROM:g} to {GRADIENT_UP_TO:g} m/s^2: give no values"
-            if quantity in _LINES
+            "is of the whole curve: give no values"
+            if quantity in of_curves
             else "needs lateral accelerations, such as 4 m/s^2"
         )
         raise InputError(f"'{name}': {quantity} {what}")

@@ -1,0 +1,117 @@
+"""The limit of a curve of steady turns: where its value is largest, to rounding.
+
+Along the curve R(ξ, λ) = 0 of turns ξ with their values λ the value stands still where the
+tangent has no part of it. There a row ψ with ψ R_ξ = 0 exists, and the limit follows parameters as
+
+    dλ/dp = -ψ R_p / (ψ R_λ).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from vehicledyn.analyse.newton import solve_damped
+from vehicledyn.analyses.handling.steady_turn import BALANCED, ITERATIONS, LEAST_SIZE, SteadyTurn
+from vehicledyn.analyses.handling.tested_car import CarPoint
+from vehicledyn.analyses.handling.turn_equations import TurnOf
+from vehicledyn.base.errors import NumericalError
+
+Vector = NDArray[np.float64]
+
+_FIRST, _GROWTH, _MOST_STEPS = 0.5, 1.5, 30
+"""First step along the curve over that of the last two turns, and how steps grow [1]."""
+
+
+@dataclass(frozen=True)
+class TurnLimit:
+    """The turn of the largest value, and the row that is square to all moves of its unknowns.
+
+    ``row`` is ψ, scaled so that ψ R_λ = 1.
+    """
+
+    value: float
+    point: CarPoint
+    row: Vector
+
+
+class _Curve:
+    """Turns with their values along a curve, as points (ξ, λ) in the scale of a known one."""
+
+    def __init__(self, solver: SteadyTurn, turn: TurnOf, known: tuple[float, CarPoint]) -> None:
+        self._turn = turn
+        self._search = solver.search(turn(known[0]), known[1])
+        self.known = np.append(solver.unknowns(turn(known[0]), known[1]), known[0])
+        self.scale = np.maximum(np.abs(self.known), LEAST_SIZE)
+
+    def at(self, ahead: Vector, way: Vector) -> Vector:
+        """Return the point of the curve on the plane across a way; raises NumericalError."""
+        normal = way / self.scale
+
+        def evaluate(x: Vector) -> tuple[Vector, Vector]:
+            return self._search.evaluate_along(self._turn, x, normal, float(normal @ (x - ahead)))
+
+        found = solve_damped(
+            evaluate, ahead, tolerance=BALANCED, max_iterations=ITERATIONS, persistent=False
+        )
+        if not found.solved:
+            raise NumericalError("the curve of turns is lost on the way to its limit")
+        return found.point
+
+    def rows(self, x: Vector) -> Vector:
+        """Return the derivatives of what is unbalanced by unknowns and value."""
+        normal = np.zeros(len(x))
+        return self._search.evaluate_along(self._turn, x, normal, 0.0)[1][:-1]
+
+    def tangent(self, x: Vector, way: Vector) -> Vector:
+        """Return the unit tangent of the curve in its scale, within 90 deg of a way."""
+        found = np.linalg.svd(self.rows(x) * self.scale)[2][-1]
+        return np.asarray(found if found @ way >= 0.0 else -found)
+
+    def point(self, x: Vector) -> CarPoint:
+        """Return the turn of a point of the curve."""
+        self._search.turn = self._turn(float(x[-1]))
+        return self._search.point(x[:-1])
+
+
+def limit_turn(
+    solver: SteadyTurn,
+    turn: TurnOf,
+    before: tuple[float, CarPoint],
+    last: tuple[float, CarPoint],
+) -> TurnLimit:
+    """Return the limit of a curve of turns, from its last two turns with their values.
+
+    Raises
+    ------
+    NumericalError
+        If the curve does not come back near its last turn.
+    """
+    curve = _Curve(solver, turn, last)
+    start, scale = curve.known, curve.scale
+    earlier = np.append(solver.unknowns(turn(before[0]), before[1]), before[0])
+    length = float(np.linalg.norm((start - earlier) / scale))
+    way = curve.tangent(start, (start - earlier) / scale)
+    size = _FIRST * length
+    for _ in range(_MOST_STEPS):
+        x = curve.at(start + size * way * scale, way)
+        ahead = curve.tangent(x, way)
+        if ahead[-1] <= 0.0:
+            break
+        start, way, size = x, ahead, _GROWTH * size
+    else:
+        raise NumericalError("the curve of turns does not come back near its last turn")
+
+    def climbing(step: float) -> float:
+        if step == 0.0:
+            return float(way[-1])
+        return float(curve.tangent(curve.at(start + step * way * scale, way), way)[-1])
+
+    step = brentq(climbing, 0.0, size, xtol=1e-12 * size)
+    x = curve.at(start + step * way * scale, way)
+    rows = curve.rows(x)
+    left = np.linalg.svd(rows[:, :-1] * scale[:-1])[0][:, -1]
+    return TurnLimit(float(x[-1]), curve.point(x), left / float(left @ rows[:, -1]))
