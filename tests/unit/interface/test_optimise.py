@@ -318,3 +318,17 @@ def test_figures_of_analyses_are_checked(tmp_path, figure, match):
     )
     with pytest.raises(InputError, match=match):
         vd.optimise(path)
+
+
+@pytest.mark.parametrize(("optimality", "told"), [(1e-3, False), (0.11, True)])
+def test_an_end_with_a_gradient_left_is_told(optimality, told):
+    """Such as where a figure jumps."""
+    from types import SimpleNamespace
+
+    from vehicledyn.studies.optimisation.run import doubts
+
+    found = SimpleNamespace(is_feasible=True, message="converged", optimality=optimality)
+    assert ["11% of the gradient is left" in note for note in doubts(found, was_stopped=False)] == (
+        [True] if told else []
+    )
+    assert not doubts(found, was_stopped=True)

@@ -28,6 +28,9 @@ from vehicledyn.studies.optimisation.report import INFEASIBLE, KEPT, Missed, Opt
 
 Floats = NDArray[np.float64]
 
+_STATIONARY = 1e-2
+"""Part of the scaled gradient that may be left at an optimum, as at a corner of a figure."""
+
 
 def run_optimisation(
     study: OptimisationStudy, *, kept: KeptWork, progress: Progress
@@ -268,9 +271,7 @@ def _table(
 ) -> OptimumTable:
     names = problem.figures
     notes = [f"a run failed: {reason}" for reason in found.failures]
-    was_stopped = found.n_runs >= study.most_runs
-    if found.is_feasible and found.message != "converged" and not was_stopped:
-        notes.append(f"warning: the search has not converged: {found.message}")
+    notes += doubts(found, was_stopped=found.n_runs >= study.most_runs)
     if problem.n_known:
         notes.append(f"{problem.n_known} runs were known from before")
     points, objective, violation = zip(*found.history, strict=True)
@@ -293,6 +294,21 @@ def _table(
         tuple(notes),
         front_figure=None if study.front is None else _about(problem, study.front.figure),
     )
+
+
+def doubts(found: Optimum, *, was_stopped: bool) -> list[str]:
+    """Return a warning where a search that was not stopped ended at no stationary point."""
+    if not found.is_feasible or was_stopped:
+        return []
+    if found.message != "converged":
+        return [f"warning: the search has not converged: {found.message}"]
+    if found.optimality <= _STATIONARY:
+        return []
+    return [
+        f"warning: no step is better, but {found.optimality:.0%} of the gradient is left: a figure "
+        "has a corner or jumps there, or its gradient is not that of the motion; see the "
+        "convergence, and seek with 'explore' or other 'starts'"
+    ]
 
 
 def _about(problem: Problem, name: str) -> Quantity:
