@@ -10,6 +10,7 @@ from vehicledyn.results.tables import (
     sensitivity_table,
     uncertainty_table,
 )
+from vehicledyn.results.tables.columns import Column
 
 MASS, LENGTH = Quantity("mass", "kg", "Mass"), Quantity("length", "m", "Length")
 ROLL = Quantity("max(roll)", "rad", "Largest roll")
@@ -17,8 +18,8 @@ ANGLE = Quantity("angle", "rad", "Angle")
 
 
 def handling(path):
-    speed = handling_table.Column("m/s", "Forward speed", [10.0, 20.0, 30.0])
-    angle = handling_table.Column("rad", "Steering-wheel angle", [0.1, 0.2, 0.35])
+    speed = Column("m/s", "Forward speed", [10.0, 20.0, 30.0])
+    angle = Column("rad", "Steering-wheel angle", [0.1, 0.2, 0.35])
     figure = handling_table.KeyFigure("turn", "gradient", 0.02, "rad*s^2/m", "Gradient")
     sheets = {"turn": {"speed": speed, "angle": angle}}
     table = handling_table.HandlingTable("A car", "car", sheets, [figure], ("a note",))

@@ -13,9 +13,9 @@ from vehicledyn.results.compare.any_compare import compare_results
 from vehicledyn.results.labelled.data import LabelledData
 from vehicledyn.results.plots.table_results import TABLES, describe_table, table_figures
 from vehicledyn.results.report.table_content import table_content
-from vehicledyn.results.tables.cam_table import CamColumn, CamTable, read_cam, write_cam
+from vehicledyn.results.tables.cam_table import CamTable, read_cam, write_cam
+from vehicledyn.results.tables.columns import Column
 from vehicledyn.results.tables.handling_table import (
-    Column,
     HandlingTable,
     KeyFigure,
     read_handling,
@@ -23,7 +23,6 @@ from vehicledyn.results.tables.handling_table import (
 )
 from vehicledyn.results.tables.kinds import TABLES as NAMED
 from vehicledyn.results.tables.track_table import (
-    TrackColumn,
     TrackTable,
     read_track_table,
     write_track,
@@ -72,7 +71,7 @@ def cam(path):
         "pitch_radius",
         "profile_radius",
     )
-    columns = {name: CamColumn("m", name, 0.01 * np.cos(angle)) for name in names}
+    columns = {name: Column("m", name, 0.01 * np.cos(angle)) for name in names}
     figures = {"largest_pressure_angle": (0.3, "rad", "Largest pressure angle")}
     write_cam(path, CamTable("C", "radial roller", angle, columns, figures))
     table = read_cam(path)
@@ -96,7 +95,7 @@ RAILS = tuple(f"{side}_{way}" for side in ("left", "right") for way in ("lateral
 
 def track(path):
     columns = {
-        name: TrackColumn("m", np.linspace(0.0, 1.0, 4), name)
+        name: Column("m", name, np.linspace(0.0, 1.0, 4))
         for name in ("s", "x", "y", "z", "heading", "curvature", "cant", "gradient", *RAILS)
     }
     write_track(TrackTable("T", ("a curve",), columns), path)

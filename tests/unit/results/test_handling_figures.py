@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from vehicledyn.results.plots.handling.test_figures import handling_figures
-from vehicledyn.results.tables.handling_table import Column, HandlingTable
+from vehicledyn.results.tables.columns import Column
+from vehicledyn.results.tables.handling_table import HandlingTable
 
 TIME = np.linspace(0.0, 10.0, 101)
 SIGNALS = ("steering", "yaw_rate", "lateral_acceleration", "sideslip", "forward_speed", "x", "y")

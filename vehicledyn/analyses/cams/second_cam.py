@@ -13,12 +13,12 @@ from vehicledyn.cams.forces import forces_of
 from vehicledyn.cams.geometry import CamGeometry
 from vehicledyn.cams.opposite import OppositeCam, opposite_of
 from vehicledyn.results.tables.cam_drawing import Circle2, Path2
-from vehicledyn.results.tables.cam_table import CamColumn
+from vehicledyn.results.tables.columns import Column
 
 Array = NDArray[np.float64]
 
 
-def second_columns(cam: CamFile, theta: Array) -> dict[str, CamColumn]:
+def second_columns(cam: CamFile, theta: Array) -> dict[str, Column]:
     """Return what is known of the second cam at angles [rad], by name; nothing of a single cam."""
     second = opposite_of(cam)
     if second is None:
@@ -26,10 +26,10 @@ def second_columns(cam: CamFile, theta: Array) -> dict[str, CamColumn]:
     found = second.in_axes_of_first(second.geometry(theta))
     words = "of the second cam, {} in axes of the cam"
     columns = {
-        "second_pressure_angle": CamColumn(
+        "second_pressure_angle": Column(
             "rad", "Pressure angle on the second cam", found.pressure_angle
         ),
-        "second_profile_radius": CamColumn(
+        "second_profile_radius": Column(
             "m",
             "Radius of curvature of the second profile, positive where convex",
             found.profile_radius,
@@ -39,7 +39,7 @@ def second_columns(cam: CamFile, theta: Array) -> dict[str, CamColumn]:
         title = "Pitch curve" if name == "pitch" else "Profile"
         for axis, values in zip("xy", points, strict=True):
             text = f"{title} {words.format(axis)}"
-            columns[f"second_{name}_{axis}"] = CamColumn("m", text, values)
+            columns[f"second_{name}_{axis}"] = Column("m", text, values)
     return columns
 
 

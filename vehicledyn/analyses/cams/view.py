@@ -22,7 +22,8 @@ from vehicledyn.cams.follower import LineFollower
 from vehicledyn.cams.forces import forces_of, lift_off_speed
 from vehicledyn.cams.geometry import CamGeometry
 from vehicledyn.results.tables.cam_drawing import Circle2, Path2, write_profile
-from vehicledyn.results.tables.cam_table import CamColumn, CamTable, write_cam
+from vehicledyn.results.tables.cam_table import CamTable, write_cam
+from vehicledyn.results.tables.columns import Column
 
 Array = NDArray[np.float64]
 _FEWEST, _MOST = 360, 360_000
@@ -114,59 +115,59 @@ def cam_table(cam: CamFile, angles: Array | None = None) -> CamTable:
     )
 
 
-def cam_columns(cam: CamFile, theta: Array) -> dict[str, CamColumn]:
+def cam_columns(cam: CamFile, theta: Array) -> dict[str, Column]:
     """Return what is known of a cam at angles [rad], by name."""
     geometry = cam.geometry(theta)
     motion, unit = geometry.motion, "rad" if cam.touch.rocks else "m"
     word = "Swing" if cam.touch.rocks else "Lift"
     per = "1" if cam.touch.rocks else "m/rad"
     found = {
-        "lift": CamColumn(unit, f"{word} of the follower", motion.coordinate - cam.start),
-        "velocity": CamColumn(per, f"{word} by the angle of the cam", motion.slope),
-        "acceleration": CamColumn(
+        "lift": Column(unit, f"{word} of the follower", motion.coordinate - cam.start),
+        "velocity": Column(per, f"{word} by the angle of the cam", motion.slope),
+        "acceleration": Column(
             "1/rad" if cam.touch.rocks else "m/rad^2", f"{word} by the angle, twice", motion.second
         ),
     }
     if cam.curve is not None:
         jerk = cam.curve.derivatives(np.mod(theta, 2.0 * math.pi))[3]
         name = "1/rad^2" if cam.touch.rocks else "m/rad^3"
-        found["jerk"] = CamColumn(name, f"{word} by the angle, three times", jerk)
+        found["jerk"] = Column(name, f"{word} by the angle, three times", jerk)
     meaning = "Angle of the follower" if cam.touch.rocks else "Height of roller's centre or face"
     found |= {
-        "position": CamColumn(unit, meaning, motion.coordinate),
-        "pressure_angle": CamColumn("rad", "Pressure angle", geometry.pressure_angle),
-        "pitch_x": CamColumn("m", "Pitch curve, x in axes of the cam", geometry.pitch[0]),
-        "pitch_y": CamColumn("m", "Pitch curve, y in axes of the cam", geometry.pitch[1]),
-        "profile_x": CamColumn("m", "Profile, x in axes of the cam", geometry.profile[0]),
-        "profile_y": CamColumn("m", "Profile, y in axes of the cam", geometry.profile[1]),
-        "pitch_radius": CamColumn(
+        "position": Column(unit, meaning, motion.coordinate),
+        "pressure_angle": Column("rad", "Pressure angle", geometry.pressure_angle),
+        "pitch_x": Column("m", "Pitch curve, x in axes of the cam", geometry.pitch[0]),
+        "pitch_y": Column("m", "Pitch curve, y in axes of the cam", geometry.pitch[1]),
+        "profile_x": Column("m", "Profile, x in axes of the cam", geometry.profile[0]),
+        "profile_y": Column("m", "Profile, y in axes of the cam", geometry.profile[1]),
+        "pitch_radius": Column(
             "m",
             "Radius of curvature of the pitch curve, positive where convex",
             geometry.pitch_radius,
         ),
-        "profile_radius": CamColumn(
+        "profile_radius": Column(
             "m",
             "Radius of curvature of the profile, positive where convex",
             geometry.profile_radius,
         ),
     }
     if geometry.along is not None:
-        found["contact_place"] = CamColumn("m", "Place of the contact on the face", geometry.along)
+        found["contact_place"] = Column("m", "Place of the contact on the face", geometry.along)
     return found | second_columns(cam, theta) | _force_columns(cam, geometry)
 
 
-def _force_columns(cam: CamFile, geometry: CamGeometry) -> dict[str, CamColumn]:
+def _force_columns(cam: CamFile, geometry: CamGeometry) -> dict[str, Column]:
     if cam.load is None:
         return {}
     torque = forces_of(cam, cam.load, geometry).torque
     first, second = pushing(cam, geometry)
     words = "Normal force; negative would pull" if second is None else "Normal force"
     found = {
-        "normal_force": CamColumn("N", words, first),
-        "torque": CamColumn("N*m", "Torque that turns the cam", torque),
+        "normal_force": Column("N", words, first),
+        "torque": Column("N*m", "Torque that turns the cam", torque),
     }
     if second is not None:
-        found["second_normal_force"] = CamColumn("N", "Normal force on the second cam", second)
+        found["second_normal_force"] = Column("N", "Normal force on the second cam", second)
     return found
 
 

@@ -19,7 +19,8 @@ from vehicledyn.rail.track.kinds.file import read_track
 from vehicledyn.rail.track.track import Track
 from vehicledyn.rail.track.track_set import TrackChoice
 from vehicledyn.rail.track.track_tables import CurvedLine
-from vehicledyn.results.tables.track_table import TrackColumn, TrackTable, write_track
+from vehicledyn.results.tables.columns import Column
+from vehicledyn.results.tables.track_table import TrackTable, write_track
 from vehicledyn.symbolic import ops
 
 GRAVITY = 9.81
@@ -170,25 +171,25 @@ def _table(path: Path, track: Track, kind: str, places: Any, speed: float | None
     cant = -track.base * np.sin(roll)
     rise = np.sqrt(np.maximum(1.0 - climb**2, 1e-12))
     columns = {
-        "s": TrackColumn("m", places, "Chainage"),
-        "x": TrackColumn("m", x, "Place of the centre line"),
-        "y": TrackColumn("m", y, "Place of the centre line"),
-        "z": TrackColumn("m", z, "Height of the centre line"),
-        "heading": TrackColumn(
-            "deg", np.degrees(np.unwrap(np.arctan2(sine, cosine))), "Heading, to the left"
+        "s": Column("m", "Chainage", places),
+        "x": Column("m", "Place of the centre line", x),
+        "y": Column("m", "Place of the centre line", y),
+        "z": Column("m", "Height of the centre line", z),
+        "heading": Column(
+            "deg", "Heading, to the left", np.degrees(np.unwrap(np.arctan2(sine, cosine)))
         ),
-        "curvature": TrackColumn("1/km", 1e3 * bend, "Curvature, seen from above"),
-        "cant": TrackColumn("mm", 1e3 * cant, "Height of the right rail over the left one"),
-        "gradient": TrackColumn("permil", 1e3 * climb / rise, "Slope of the centre line"),
-        "left_lateral": TrackColumn("mm", 1e3 * rails[0], "Left rail, shift to the left"),
-        "left_vertical": TrackColumn("mm", 1e3 * rails[1], "Left rail, shift upwards"),
-        "right_lateral": TrackColumn("mm", 1e3 * rails[2], "Right rail, shift to the left"),
-        "right_vertical": TrackColumn("mm", 1e3 * rails[3], "Right rail, shift upwards"),
+        "curvature": Column("1/km", "Curvature, seen from above", 1e3 * bend),
+        "cant": Column("mm", "Height of the right rail over the left one", 1e3 * cant),
+        "gradient": Column("permil", "Slope of the centre line", 1e3 * climb / rise),
+        "left_lateral": Column("mm", "Left rail, shift to the left", 1e3 * rails[0]),
+        "left_vertical": Column("mm", "Left rail, shift upwards", 1e3 * rails[1]),
+        "right_lateral": Column("mm", "Right rail, shift to the left", 1e3 * rails[2]),
+        "right_vertical": Column("mm", "Right rail, shift upwards", 1e3 * rails[3]),
     }
     if speed is not None:
         lacking = np.sign(bend) * (track.base * speed**2 * bend / GRAVITY - cant)
-        columns["cant_deficiency"] = TrackColumn(
-            "mm", 1e3 * lacking, f"Cant that a curve lacks at {3.6 * speed:g} km/h"
+        columns["cant_deficiency"] = Column(
+            "mm", f"Cant that a curve lacks at {3.6 * speed:g} km/h", 1e3 * lacking
         )
     return TrackTable(_title(path), tuple(_facts(track, kind)), columns)
 

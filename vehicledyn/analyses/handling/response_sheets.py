@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.results.tables.handling_table import Column, Sheet
+from vehicledyn.results.tables.columns import Column
+from vehicledyn.results.tables.handling_table import Sheet
 from vehicledyn.road.standards.frequency_response import transient_response
 from vehicledyn.road.standards.signals import Signals
 

@@ -39,7 +39,8 @@ from vehicledyn.base.step_memory import Memory
 from vehicledyn.files.scenario.target import Target
 from vehicledyn.kernel.make_kernel import Backend
 from vehicledyn.results.hdf5.kept_work import KeptWork
-from vehicledyn.results.tables.handling_table import Column, HandlingTable, KeyFigure, Sheet
+from vehicledyn.results.tables.columns import Column
+from vehicledyn.results.tables.handling_table import HandlingTable, KeyFigure, Sheet
 from vehicledyn.road.manoeuvres.driving_test import DrivingTest
 
 GRADIENT_FROM, GRADIENT_UP_TO = 2.0, 4.0

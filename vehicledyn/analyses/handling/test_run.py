@@ -10,7 +10,8 @@ from vehicledyn.analyses.handling.tested_car import CarPoint, TestedCar
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.base.registry import find
 from vehicledyn.integrate.simulate import simulate
-from vehicledyn.results.tables.handling_table import TRUTH, Column, KeyFigure, Sheet
+from vehicledyn.results.tables.columns import Column
+from vehicledyn.results.tables.handling_table import TRUTH, KeyFigure, Sheet
 from vehicledyn.road.manoeuvres.channel_recorder import Recording
 from vehicledyn.road.manoeuvres.driving_test import DrivingTest
 from vehicledyn.road.standards.signals import Signals

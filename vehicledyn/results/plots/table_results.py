@@ -221,7 +221,7 @@ def _track_facts(path: Path) -> dict[str, Any]:
         "title": table.title,
         "track": list(table.facts),
         "places": len(table["s"]),
-        "columns": table.heads(),
+        "columns": [f"{name} [{column.unit}]" for name, column in table.columns.items()],
     }
 
 

@@ -132,6 +132,14 @@ def read_texts(group: h5py.Group, name: str) -> list[str]:
     return [str(text) for text in group[name].asstr()[()]]
 
 
+def write_axis(group: h5py.Group, name: str, values: Any, words: tuple[str, str]) -> h5py.Dataset:
+    """Write values as a dimension scale with unit and meaning; return the scale."""
+    scale = group.create_dataset(name, data=np.asarray(values))
+    write_attributes(scale, {"units": words[0], "long_name": words[1]})
+    scale.make_scale(name)
+    return scale
+
+
 def write_numbers(
     group: h5py.Group,
     name: str,

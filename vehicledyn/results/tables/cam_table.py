@@ -2,37 +2,29 @@
 
 from __future__ import annotations
 
-import csv
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from vehicledyn.base.files.whole_file import whole_file
-from vehicledyn.results.hdf5.output import write_failed
+import numpy as np
+
 from vehicledyn.results.store.consistency import Sizes, require_columns
 from vehicledyn.results.store.linear_file import (
     Quantity,
     new_file,
     old_file,
     read_texts,
+    write_axis,
     write_numbers,
     write_texts,
 )
+from vehicledyn.results.tables.columns import Column, write_csv
 from vehicledyn.results.tables.key_figures import read_key_figures, write_key_figures
 
 FORMAT = "vehicledyn-cam"
 _DRAWN = ("profile_x", "profile_y", "profile_radius", "pitch_x", "pitch_y", "pitch_radius",
           "pressure_angle")  # fmt: skip
 """Columns that every cam has, which figures show."""
-
-
-@dataclass(frozen=True)
-class CamColumn:
-    """Unit, meaning and values over a turn, shape (n,)."""
-
-    unit: str
-    description: str
-    values: Any
 
 
 @dataclass(frozen=True)
@@ -46,7 +38,7 @@ class CamTable:
     title: str
     follower: str
     angle: Any
-    columns: dict[str, CamColumn]
+    columns: dict[str, Column]
     figures: dict[str, tuple[float, str, str]]
     notes: tuple[str, ...] = ()
 
@@ -62,11 +54,9 @@ def write_cam(path: Path, table: CamTable) -> None:
     if path.suffix == ".h5":
         _write_hdf5(path, table)
         return
-    try:
-        with whole_file(path) as place:
-            _write_csv(place, table)
-    except OSError as error:
-        raise write_failed(path, error) from error
+    heads = [("angle", "rad"), *((name, c.unit) for name, c in table.columns.items())]
+    columns = [table.angle, *(column.values for column in table.columns.values())]
+    write_csv(path, heads, zip(*columns, strict=True), digits=15)
 
 
 def read_cam(path: Path) -> CamTable:
@@ -85,7 +75,7 @@ def read_cam(path: Path) -> CamTable:
         sizes = Sizes()
         angle = sizes.read(file, "angle", "angles")
         columns = {
-            name: CamColumn(
+            name: Column(
                 str(data.attrs["units"]),
                 str(data.attrs["long_name"]),
                 sizes.read(file, name, "angles", infinite=True),
@@ -108,9 +98,9 @@ def _write_hdf5(path: Path, table: CamTable) -> None:
     head: dict[str, Any] = {"title": table.title, "model": table.follower}
     head |= {name: value for name, (value, _, _) in table.figures.items()}
     with new_file(path, FORMAT, head) as file:
-        write_numbers(file, "angle", table.angle, (), ("rad", "Angle of the cam"))
-        scale = file["angle"]
-        scale.make_scale("angle")
+        scale = write_axis(
+            file, "angle", np.asarray(table.angle, float), ("rad", "Angle of the cam")
+        )
         for name, column in table.columns.items():
             words = (column.unit, column.description)
             write_numbers(file, name, column.values, (scale,), words)
@@ -122,13 +112,3 @@ def _write_hdf5(path: Path, table: CamTable) -> None:
             ),
         )
         write_texts(file, "notes", table.notes)
-
-
-def _write_csv(place: Path, table: CamTable) -> None:
-    with place.open("w", encoding="utf-8", newline="") as stream:
-        writer = csv.writer(stream, lineterminator="\n")
-        heads = [f"{name} [{column.unit}]" for name, column in table.columns.items()]
-        writer.writerow(["angle [rad]", *heads])
-        columns = [table.angle, *(column.values for column in table.columns.values())]
-        for row in zip(*columns, strict=True):
-            writer.writerow([f"{value:.15g}" for value in row])

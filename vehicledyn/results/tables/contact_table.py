@@ -14,6 +14,7 @@ from vehicledyn.results.store.linear_file import (
     new_file,
     old_file,
     read_texts,
+    write_axis,
     write_numbers,
     write_texts,
 )
@@ -146,6 +147,8 @@ _HEAD = {
     "created",
     "vehicledyn_version",
 }
+_SHIFT = ("m", "Lateral shift, positive to the left")
+_AMPLITUDE = ("m", "Amplitude of the lateral motion")
 _BY_SHIFT = {
     "roll": ("rad", "Roll, positive when the left side is up"),
     "height": ("m", "Height of the axle over the rails' highest points"),
@@ -171,8 +174,8 @@ def write_contacts(path: Path, table: ContactTable) -> None:
     if table.inclination_text:
         head["inclination_text"] = table.inclination_text
     with new_file(path, FORMAT, head | table.settings) as file:
-        shift = _scale(file, "shift", table.shift, "Lateral shift, positive to the left")
-        amplitude = _scale(file, "amplitude", table.amplitude, "Amplitude of the lateral motion")
+        shift = write_axis(file, "shift", np.asarray(table.shift, float), _SHIFT)
+        amplitude = write_axis(file, "amplitude", np.asarray(table.amplitude, float), _AMPLITUDE)
         side = write_texts(file, "side", SIDES)
         side.make_scale("side")
         for name, words in _BY_SHIFT.items():
@@ -276,9 +279,10 @@ def _curve(group: Any, name: str) -> Any:
 
 
 def _write_curves(group: Any, curves: ContactCurves) -> None:
-    shift = _scale(group, f"{_FINE}shift", curves.shift, "Lateral shift, positive to the left")
-    meaning = "Amplitude of the lateral motion"
-    amplitude = _scale(group, f"{_FINE}amplitude", curves.amplitude, meaning)
+    shift = write_axis(group, f"{_FINE}shift", np.asarray(curves.shift, float), _SHIFT)
+    amplitude = write_axis(
+        group, f"{_FINE}amplitude", np.asarray(curves.amplitude, float), _AMPLITUDE
+    )
     for name, words in _CURVES.items():
         scale = amplitude if name in _BY_AMPLITUDE else shift
         write_numbers(group, name, getattr(curves, name), (scale,), words)
@@ -328,10 +332,3 @@ def _read_jumps(group: Any) -> tuple[tuple[float, str, float, float], ...]:
     columns = (sizes.read(group, name, "jumps").tolist() for name in ("shift", "from", "to"))
     shifts, before, after = columns
     return tuple(zip(shifts, sides, before, after, strict=True))
-
-
-def _scale(file: Any, name: str, values: Any, meaning: str) -> Any:
-    scale = file.create_dataset(name, data=np.asarray(values, dtype=float))
-    scale.attrs["units"], scale.attrs["long_name"] = "m", meaning
-    scale.make_scale(name)
-    return scale

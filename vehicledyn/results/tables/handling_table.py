@@ -14,24 +14,17 @@ from vehicledyn.results.store.linear_file import (
     new_file,
     old_file,
     read_texts,
+    write_axis,
     write_numbers,
     write_texts,
 )
+from vehicledyn.results.tables.columns import Column
 from vehicledyn.results.tables.key_figures import read_key_figures, write_key_figures
 
 FORMAT = "vehicledyn-handling"
 
 TRUTH = ""
 """Unit of a figure that is 1 for yes and 0 for no."""
-
-
-@dataclass(frozen=True)
-class Column:
-    """Unit, meaning and values of a curve, shape (n_points,)."""
-
-    unit: str
-    description: str
-    values: Any
 
 
 Sheet = dict[str, Column]
@@ -84,9 +77,7 @@ def write_handling(path: Path, table: HandlingTable) -> None:
             count = len(next(iter(columns.values())).values)
             axis = f"{sheet}.point"
             words = ("1", f"Points of {sheet.replace('_', ' ')}")
-            write_numbers(file, axis, np.arange(count), (), words)
-            scale = file[axis]
-            scale.make_scale(axis)
+            scale = write_axis(file, axis, np.arange(count, dtype=float), words)
             for name, column in columns.items():
                 words = (column.unit, column.description)
                 write_numbers(file, f"{sheet}.{name}", column.values, (scale,), words)

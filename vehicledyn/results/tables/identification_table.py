@@ -15,6 +15,7 @@ from vehicledyn.results.store.linear_file import (
     old_file,
     read_quantities,
     read_texts,
+    write_axis,
     write_numbers,
     write_quantities,
     write_texts,
@@ -88,9 +89,8 @@ def write_identification(path: Path, table: IdentificationTable) -> None:
         other = write_texts(file, "other", [item.name for item in table.parameters])
         other.make_scale("other")
         write_quantities(file, "signals", table.signals)
-        sample = file.create_dataset("sample", data=np.arange(1, len(table.time) + 1))
-        sample.attrs["units"], sample.attrs["long_name"] = "1", "Number of the sample"
-        sample.make_scale("sample")
+        numbers = np.arange(1, len(table.time) + 1)
+        sample = write_axis(file, "sample", numbers, ("1", "Number of the sample"))
         for name, words in _BY_PARAMETER.items():
             about = ("as parameter", words)
             write_numbers(file, f"parameter_{name}", getattr(table, name), (parameters,), about)

@@ -16,6 +16,7 @@ from vehicledyn.results.store.linear_file import (
     old_file,
     read_quantities,
     read_texts,
+    write_axis,
     write_numbers,
     write_quantities,
     write_texts,
@@ -85,7 +86,7 @@ def write_manoeuvre(path: Path, table: ManoeuvreTable) -> None:
     head = {name: getattr(table, name) for name in (*_HEAD, "simulation_error")}
     head["intervals"] = table.n_intervals
     with new_file(path, FORMAT, head) as file:
-        time = _scale(file, "time", table.time, ("s", "Time"))
+        time = write_axis(file, "time", np.asarray(table.time, float), ("s", "Time"))
         states = write_quantities(file, "state", table.states)
         about = ("as state", "States of the optimal motion")
         write_numbers(file, "state_value", table.state_values, (time, states), about)
@@ -105,23 +106,16 @@ def write_manoeuvre(path: Path, table: ManoeuvreTable) -> None:
             about = ("m", f"Path: {name.replace('_', ' ')}")
             write_numbers(file, f"path_{name}", table.path[:, k], (time,), about)
         history = np.asarray(table.history, dtype=float).reshape(-1, 2)
-        steps = np.arange(1, len(history) + 1)
-        iteration = _scale(file, "iteration", steps, ("1", "Iteration of the search"))
+        steps = np.arange(1.0, len(history) + 1)
+        iteration = write_axis(file, "iteration", steps, ("1", "Iteration of the search"))
         for name, column in zip(("objective", "violation"), history.T, strict=True):
             about = ("1", f"{name.capitalize()} of the iteration")
             write_numbers(file, f"iteration_{name}", column, (iteration,), about)
-        meshes = np.arange(1, len(table.mesh_errors) + 1)
-        mesh = _scale(file, "mesh", meshes, ("1", "Number of the mesh"))
+        meshes = np.arange(1.0, len(table.mesh_errors) + 1)
+        mesh = write_axis(file, "mesh", meshes, ("1", "Number of the mesh"))
         about = ("1", "Largest error of an interval over the range of the state")
         write_numbers(file, "mesh_error", table.mesh_errors, (mesh,), about)
         write_texts(file, "notes", table.notes)
-
-
-def _scale(file: Any, name: str, values: Any, words: tuple[str, str]) -> Any:
-    scale = file.create_dataset(name, data=np.asarray(values, dtype=float))
-    scale.attrs["units"], scale.attrs["long_name"] = words
-    scale.make_scale(name)
-    return scale
 
 
 def read_manoeuvre(path: Path) -> ManoeuvreTable:

@@ -14,6 +14,7 @@ from vehicledyn.results.store.linear_file import (
     new_file,
     old_file,
     read_quantities,
+    write_axis,
     write_numbers,
     write_quantities,
     write_texts,
@@ -89,9 +90,8 @@ def write_optimum(path: Path, table: OptimumTable) -> None:
     with new_file(path, FORMAT, head) as file:
         variables = write_quantities(file, "variable", table.variables)
         figures = write_quantities(file, "figure", table.figures)
-        run = file.create_dataset("run", data=range(1, len(table.objective) + 1))
-        run.attrs["units"], run.attrs["long_name"] = "1", "Number of the run"
-        run.make_scale("run")
+        runs = range(1, len(table.objective) + 1)
+        run = write_axis(file, "run", runs, ("1", "Number of the run"))
         for name, values, words in (
             ("low", table.low, "Lowest value allowed"),
             ("high", table.high, "Highest value allowed"),
@@ -118,9 +118,8 @@ def _write_front(file: h5py.File, table: OptimumTable, variables: h5py.Dataset) 
     if table.front_figure is None:
         return
     file.attrs["front_figure"] = table.front_figure.name
-    point = file.create_dataset("compromise", data=range(1, len(table.front) + 1))
-    point.attrs["units"], point.attrs["long_name"] = "1", "Number of the compromise"
-    point.make_scale("compromise")
+    numbers = range(1, len(table.front) + 1)
+    point = write_axis(file, "compromise", numbers, ("1", "Number of the compromise"))
     for name, unit, words in (
         ("objective", "1", "Objective of the compromise"),
         ("figure", table.front_figure.unit, f"{table.front_figure.name} of the compromise"),

@@ -15,6 +15,7 @@ from vehicledyn.results.store.linear_file import (
     old_file,
     read_complex,
     read_quantities,
+    write_axis,
     write_numbers,
     write_quantities,
 )
@@ -82,9 +83,8 @@ def write_response(path: Path, table: ResponseTable) -> None:
     """
     head = {"title": table.title, "model": table.model, "speed": table.speed}
     with new_file(path, FORMAT, head) as file:
-        frequency = file.create_dataset("frequency", data=np.asarray(table.frequency, dtype=float))
-        frequency.attrs["units"], frequency.attrs["long_name"] = "Hz", "Frequency"
-        frequency.make_scale("frequency")
+        values = np.asarray(table.frequency, dtype=float)
+        frequency = write_axis(file, "frequency", values, ("Hz", "Frequency"))
         inputs = write_quantities(file, "input", table.inputs)
         outputs = write_quantities(file, "output", table.outputs)
         scales = (frequency, inputs, outputs)

@@ -15,6 +15,7 @@ from vehicledyn.results.store.linear_file import (
     old_file,
     read_quantities,
     read_texts,
+    write_axis,
     write_numbers,
     write_quantities,
     write_texts,
@@ -97,9 +98,7 @@ def write_sensitivity(path: Path, table: SensitivityTable) -> None:
         if not table.channels:
             return
         channels = write_quantities(file, "channel", table.channels)
-        time = file.create_dataset("time", data=np.asarray(table.time, dtype=float))
-        time.attrs["units"], time.attrs["long_name"] = "s", "Time"
-        time.make_scale("time")
+        time = write_axis(file, "time", np.asarray(table.time, dtype=float), ("s", "Time"))
         words = ("as channel", "Value of the channel")
         write_numbers(file, "channel_value", table.channel_values, (channels, time), words)
         words = ("channel/parameter", "Derivative of the channel by the parameter")

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -11,16 +9,16 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.base.files.whole_file import whole_file
-from vehicledyn.results.hdf5.output import write_failed
 from vehicledyn.results.store.consistency import Sizes, require_columns
 from vehicledyn.results.store.linear_file import (
     new_file,
     old_file,
     read_texts,
+    write_axis,
     write_numbers,
     write_texts,
 )
+from vehicledyn.results.tables.columns import Column, write_csv
 
 FORMAT = "vehicledyn-track"
 _DRAWN = ("s", "x", "y", "curvature", "cant", "gradient", "left_lateral", "left_vertical",
@@ -31,36 +29,20 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class TrackColumn:
-    """Values along the track in the unit in which they are shown."""
-
-    unit: str
-    values: Array
-    description: str
-
-
-@dataclass(frozen=True)
 class TrackTable:
-    """A track, its columns by name of equal length; s [m] is the first.
+    """A track, its columns by name of equal length in the units that are shown; s [m] is first.
 
     ``facts`` are lines that say what the track is.
     """
 
     title: str
     facts: tuple[str, ...]
-    columns: dict[str, TrackColumn] = field(default_factory=dict)
+    columns: dict[str, Column] = field(default_factory=dict)
 
     def __getitem__(self, name: str) -> Array:
         """Return the values of a column."""
-        return self.columns[name].values
-
-    def heads(self) -> list[str]:
-        """Return the heads of the columns with their units."""
-        return [f"{name} [{column.unit}]" for name, column in self.columns.items()]
-
-    def rows(self) -> Iterable[tuple[float, ...]]:
-        """Return the table line by line."""
-        return zip(*(map(float, c.values) for c in self.columns.values()), strict=True)
+        values: Array = self.columns[name].values
+        return values
 
 
 def write_track(table: TrackTable, path: Path) -> None:
@@ -74,15 +56,9 @@ def write_track(table: TrackTable, path: Path) -> None:
     if path.suffix == ".h5":
         _write_hdf5(table, path)
         return
-    try:
-        with whole_file(path) as place, place.open("w", encoding="utf-8", newline="") as stream:
-            for line in (table.title, *table.facts):
-                stream.write(f"# {line}\n")
-            writer = csv.writer(stream, lineterminator="\n")
-            writer.writerow(table.heads())
-            writer.writerows([f"{value:.9g}" for value in row] for row in table.rows())
-    except OSError as error:
-        raise write_failed(path, error) from error
+    heads = [(name, column.unit) for name, column in table.columns.items()]
+    rows = zip(*(map(float, column.values) for column in table.columns.values()), strict=True)
+    write_csv(path, heads, rows, digits=9, comments=(table.title, *table.facts))
 
 
 def read_track_table(path: Path) -> TrackTable:
@@ -96,10 +72,10 @@ def read_track_table(path: Path) -> TrackTable:
     with old_file(path, FORMAT) as file:
         names, sizes = read_texts(file, "columns"), Sizes()
         columns = {
-            name: TrackColumn(
+            name: Column(
                 str(file[name].attrs["units"]),
-                sizes.read(file, name, "places", gaps=name not in _DRAWN),
                 str(file[name].attrs["long_name"]),
+                sizes.read(file, name, "places", gaps=name not in _DRAWN),
             )
             for name in names
         }
@@ -112,9 +88,9 @@ def _write_hdf5(table: TrackTable, path: Path) -> None:
         scale: tuple[h5py.Dataset, ...] = ()
         for name, column in table.columns.items():
             words = (column.unit, column.description)
-            write_numbers(file, name, column.values, scale, words)
             if not scale:
-                file[name].make_scale(name)
-                scale = (file[name],)
+                scale = (write_axis(file, name, np.asarray(column.values, float), words),)
+            else:
+                write_numbers(file, name, column.values, scale, words)
         write_texts(file, "columns", list(table.columns))
         write_texts(file, "facts", table.facts)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,10 +9,9 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.base.files.whole_file import whole_file
-from vehicledyn.results.hdf5.output import write_failed
 from vehicledyn.results.store.consistency import Sizes, require_columns
-from vehicledyn.results.store.linear_file import new_file, old_file, write_numbers
+from vehicledyn.results.store.linear_file import new_file, old_file, write_axis, write_numbers
+from vehicledyn.results.tables.columns import write_csv
 
 Array = NDArray[np.float64]
 
@@ -70,22 +68,14 @@ def write_tyre(tables: list[TyreTable], path: Path) -> None:
     if path.suffix == ".h5":
         _write_hdf5(tables, path)
         return
-    try:
-        with whole_file(path) as place:
-            _write_csv(tables, place)
-    except OSError as error:
-        raise write_failed(path, error) from error
-
-
-def _write_csv(tables: list[TyreTable], place: Path) -> None:
-    with place.open("w", encoding="utf-8", newline="") as stream:
-        writer = csv.writer(stream, lineterminator="\n")
-        heads = [f"{name} [{unit}]" for name, (unit, _) in COLUMNS.items()]
-        writer.writerow(["tyre", "sweep", *heads])
-        for table in tables:
-            for sweep, columns in table.sweeps.items():
-                for row in zip(*(columns[name] for name in COLUMNS), strict=True):
-                    writer.writerow([table.title, sweep, *(f"{value:.9g}" for value in row)])
+    heads = [(name, unit) for name, (unit, _) in COLUMNS.items()]
+    rows = (
+        (table.title, sweep, *numbers)
+        for table in tables
+        for sweep, columns in table.sweeps.items()
+        for numbers in zip(*(columns[name] for name in COLUMNS), strict=True)
+    )
+    write_csv(path, heads, rows, digits=9, labels=("tyre", "sweep"))
 
 
 def read_tyres(path: Path) -> list[TyreTable]:
@@ -127,9 +117,7 @@ def _write_hdf5(tables: list[TyreTable], path: Path) -> None:
             file.create_group(f"{_TYRE}{number}").attrs["title"] = table.title
             for sweep, columns in table.sweeps.items():
                 place = f"{_TYRE}{number}/{sweep}"
-                points = np.arange(len(columns["load"]))
-                write_numbers(file, f"{place}/point", points, (), ("1", "Points of the sweep"))
-                scale = file[f"{place}/point"]
-                scale.make_scale(f"{place}/point")
+                points = np.arange(len(columns["load"]), dtype=float)
+                scale = write_axis(file, f"{place}/point", points, ("1", "Points of the sweep"))
                 for name, words in COLUMNS.items():
                     write_numbers(file, f"{place}/{name}", columns[name], (scale,), words)

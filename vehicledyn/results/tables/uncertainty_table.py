@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 
 from vehicledyn.results.store.consistency import Sizes
@@ -16,6 +15,7 @@ from vehicledyn.results.store.linear_file import (
     old_file,
     read_quantities,
     read_texts,
+    write_axis,
     write_numbers,
     write_quantities,
     write_texts,
@@ -74,7 +74,8 @@ def write_uncertainty(path: Path, table: UncertaintyTable) -> None:
     with new_file(path, FORMAT, head) as file:
         parameters = write_quantities(file, "parameter", table.parameters)
         figures = write_quantities(file, "figure", table.figures)
-        run = _runs(file, len(table.samples))
+        runs = np.arange(1, len(table.samples) + 1)
+        run = write_axis(file, "run", runs, ("1", "Number of the run"))
         for name, words in _BY_FIGURE.items():
             write_numbers(file, name, getattr(table, name), (figures,), ("as figure", words))
         for name, words in _SHARES.items():
@@ -85,14 +86,6 @@ def write_uncertainty(path: Path, table: UncertaintyTable) -> None:
         write_numbers(file, "sample", table.samples, (run, figures), about)
         write_texts(file, "risks", table.risks)
         write_texts(file, "notes", table.notes)
-
-
-def _runs(file: h5py.File, count: int) -> h5py.Dataset:
-    """Write the numbers of the runs and return their scale."""
-    run = file.create_dataset("run", data=np.arange(1, count + 1))
-    run.attrs["units"], run.attrs["long_name"] = "1", "Number of the run"
-    run.make_scale("run")
-    return run
 
 
 def read_uncertainty(path: Path) -> UncertaintyTable:
