@@ -18,7 +18,7 @@ manoeuvre:
   driver: {kind: preview, preview_time: 0.5 s, lag_frequency: 20 rad/s, lag_damping: 0.8,
     rack_stop: 60 mm}
   speed_control: {proportional_gain: 3000 N*s, integral_gain: 600 N}
-duration: 5 s
+duration: 6 s
 solver: {kind: rk4, step: 1 ms}
 output: {interval: 10 ms}
 """
@@ -29,7 +29,7 @@ def test_controllers_keep_the_car_straight(tmp_path):
     path.write_text(SCENARIO)
     kept = vd.simulate(path).summary
     assert kept["largest_lateral_deviation"].value < 1.0
-    assert kept["largest_sideslip_angle"].value < 0.06
-    assert kept["stopping_distance"].value == pytest.approx(46.5, rel=0.03)
+    assert kept["largest_sideslip_angle"].value < 0.1
+    assert kept["stopping_distance"].value == pytest.approx(48.2, rel=0.01)
     alone = vd.load(path).changed({"parameters.brakes.yaw_control.active": 0})
     assert vd.simulate(alone).summary["largest_sideslip_angle"].value > 1.0

@@ -66,6 +66,40 @@ def test_what_a_file_asks_for_is_told(written):
     assert not list(asked(written(1, acting="combined")))
 
 
+SEDAN = {"file": "passenger_245_40R18_pac2002.tir"}
+
+
+def test_without_coefficients_of_combined_slip_slips_combine_by_the_friction_ellipse():
+    """Once both forces came out whole: 1.4 times the friction."""
+    law = TyreOfFile(**SEDAN)
+    fx, fy, *_ = forces(law, 4e3, 0.1, 0.12, 0.0, 20.0)
+    chrono = Pac2002(**SEDAN, convention="chrono", combined="ellipse")
+    near = forces(chrono, 4e3, 0.1, 0.12, 0.0, 20.0)
+    assert (fx, fy) == pytest.approx(near[:2], rel=0.02)
+    whole = forces(TyreOfFile(**SEDAN, acting="uncombined"), 4e3, 0.1, 0.12, 0.0, 20.0)
+    assert (fx / whole[0]) ** 2 + (fy / whole[1]) ** 2 == pytest.approx(1.0, abs=0.05)
+    assert "no coefficients of combined slip" in " ".join(asked(law))
+
+
+def test_the_file_may_choose_the_friction_ellipse(written, tmp_path):
+    text = written(4).path.read_text()
+    for method in ("YES", "NO"):
+        (tmp_path / f"{method}.tir").write_text(
+            text.replace("USE_MODE = 4", f"USE_MODE = 4\nFE_METHOD = '{method}'")
+        )
+    ellipse, weights = (TyreOfFile(file=str(tmp_path / f"{m}.tir")) for m in ("YES", "NO"))
+    assert forces(weights) == forces(written(4)) != forces(ellipse)
+    assert "FE_METHOD 'YES'" in " ".join(asked(ellipse)) and not list(asked(weights))
+    assert ellipse.law.on_ellipse and not TyreOfFile(**SEDAN, acting="lateral").on_ellipse
+
+
+@pytest.mark.parametrize("felt", [(0.0, 0.0), (0.0, 0.5), (-1.0, 0.0), (-1.0, 1.5), (50.0, -1.57)])
+def test_the_ellipse_is_finite_everywhere_and_within_friction(felt):
+    for load in (0.0, 1e-6, 4e3, 1e5):
+        fx, fy, *_ = forces(TyreOfFile(**SEDAN), load, *felt, 0.05, 20.0)
+        assert (fx**2 + fy**2) ** 0.5 <= 1.3 * load
+
+
 def test_ways_of_chrono_need_its_convention():
     with pytest.raises(ValueError, match="combined: a rule of Chrono; give 'convention: chrono'"):
         Pac2002(file=PAC, combined="none")

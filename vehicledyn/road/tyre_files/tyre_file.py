@@ -87,6 +87,12 @@ class TyreFile:
         return not self.given.isdisjoint(("NOMPRES", "INFLPRES", "IP_NOM", "IP"))
 
     @property
+    def has_combined(self) -> bool:
+        """Whether the file has coefficients by which slips weaken each other's forces."""
+        pairs = (("RBX1", "RCX1"), ("RBY1", "RCY1"))
+        return any(self.values[factor] * self.values[shape] != 0.0 for factor, shape in pairs)
+
+    @property
     def asked(self) -> UseMode:
         """What the file asks for by USE_MODE."""
         number = self.values.get("USE_MODE")

@@ -99,6 +99,14 @@ class FileTyre(Tyre):
         """Forces as this tyre names them, or as USE_MODE of the file does."""
         return self.acting or self.content.asked.forces
 
+    @property
+    def on_ellipse(self) -> bool:
+        """Whether slips combine by the friction ellipse: FE_METHOD, or no coefficients for it."""
+        if self.forces_that_act != "combined":
+            return False
+        method = self.content.texts.get("FE_METHOD", "").upper()
+        return method == "YES" or (method != "NO" and not self.content.has_combined)
+
     def acting_forces(self, p: Coefficients, contact: TyreInput) -> TyreForces:
         """Return the forces that act; those without combined slip are at pure slip.
 

@@ -26,4 +26,5 @@ class MagicFormula61(FileTyre):
 
     def steady_forces(self, p: Coefficients, contact: TyreInput) -> TyreForces:
         """Return the forces of a tyre that is not mirrored."""
-        return forces_61(p, contact, RULES[convention_of(self, tuple(RULES))])
+        rules = RULES[convention_of(self, tuple(RULES))]
+        return forces_61(p, contact, rules, ellipse=self.on_ellipse)

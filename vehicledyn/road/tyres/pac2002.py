@@ -21,7 +21,8 @@ from vehicledyn.road.tyres.tyre import RelaxationLengths, TyreForces, TyreInput
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar
 
-_OF_CHRONO = ("chrono", "chrono_vehicle")
+OF_CHRONO = ("chrono", "chrono_vehicle")
+"""Conventions with a combined slip of their own."""
 
 
 @register("tyre", "pac2002")
@@ -44,7 +45,7 @@ class Pac2002(FileTyre):
 
     @model_validator(mode="after")
     def _know_combination(self) -> Self:
-        if self.combined is not None and self.convention not in _OF_CHRONO:
+        if self.combined is not None and self.convention not in OF_CHRONO:
             raise ValueError(
                 "combined: a rule of Chrono; give 'convention: chrono', or 'acting: uncombined'"
             )
@@ -54,14 +55,14 @@ class Pac2002(FileTyre):
         """Return the forces of a tyre that is not mirrored."""
         chosen = convention_of(self, ("standard", "angles", "chrono", "chrono_vehicle"))
         combined = self.combined or self._combined_of_file()
-        if chosen in _OF_CHRONO and self.content.turned:  # it turns the friction alone
+        if chosen in OF_CHRONO and self.content.turned:  # it turns the friction alone
             p = p.changed(**{name: -getattr(p, name) for name in TURNED[2:]})
         if chosen == "chrono_vehicle":
             found = forces_chrono(p, on_a_chrono_vehicle(contact), combined)
             return replace(found, rolling_resistance=0.0)
         if chosen == "chrono":
             return forces_chrono(p, contact, combined)
-        return forces_52(p, contact, angles=chosen == "angles")
+        return forces_52(p, contact, angles=chosen == "angles", ellipse=self.on_ellipse)
 
     @property
     def forces_that_act(self) -> str:
@@ -70,7 +71,7 @@ class Pac2002(FileTyre):
 
     def relaxation_lengths(self, contact: TyreInput) -> RelaxationLengths:
         """Return the lengths by the file's coefficients, in the convention of the tyre."""
-        if self.convention in _OF_CHRONO:
+        if self.convention in OF_CHRONO:
             return lengths_chrono(self.coefficients(), contact)
         return super().relaxation_lengths(contact)
 
@@ -81,7 +82,7 @@ class Pac2002(FileTyre):
         of its sedan and HMMWV agree to 1e-7 m.
         """
         loaded = super().rolling_radius(radius, loaded_radius, camber)
-        if self.convention not in _OF_CHRONO:
+        if self.convention not in OF_CHRONO:
             return loaded
         return (2.0 * radius + loaded) / (3.0 * ops.cos(camber))
 

@@ -15,6 +15,7 @@ import math
 from dataclasses import dataclass
 
 from vehicledyn.road.tyres.pacejka.coefficient_values import Coefficients
+from vehicledyn.road.tyres.pacejka.friction_ellipse import Pure, on_ellipse
 from vehicledyn.road.tyres.pacejka.state import (
     EQUIVALENT_SLIP_FLOOR,
     FRICTION_FLOOR,
@@ -46,7 +47,9 @@ class PureCurve:
     steepness: Scalar
 
 
-def forces_52(p: Coefficients, contact: TyreInput, *, angles: bool = False) -> TyreForces:
+def forces_52(
+    p: Coefficients, contact: TyreInput, *, angles: bool = False, ellipse: bool = False
+) -> TyreForces:
     """Return the forces at combined slip.
 
     Parameters
@@ -57,21 +60,37 @@ def forces_52(p: Coefficients, contact: TyreInput, *, angles: bool = False) -> T
         What the tyre feels.
     angles
         Whether slip angle and camber enter as angles, in place of tan α and sin γ.
+    ellipse
+        Whether slips combine by the friction ellipse, in place of weights.
     """
     state = state_of(p, contact)
     slip = Slip(state.angle, state.camber)
     if not angles:
         slip = Slip(tangent(state.angle), ops.sin(state.camber))
     along, across = longitudinal(p, state, slip), lateral(p, state, slip)
-    fx = along.force * _along_weight(p, state, slip)
-    share, extra = _across_weight(p, state, slip, across)
-    free = share * across.force
-    fy = free + extra
-    moment = _aligning(p, state, slip, (along, across), free)
+    if ellipse:
+        fx, free = forces_on_ellipse(state, slip.angle, along, across)
+        fy, ratio = free, 0.0
+    else:
+        fx = along.force * _along_weight(p, state, slip)
+        share, extra = _across_weight(p, state, slip, across)
+        free = share * across.force
+        fy, ratio = free + extra, along.stiffness / across.stiffness * state.slip
+    moment = _aligning(p, state, slip, across, ratio=ratio, free=free)
     arm = p.SSZ1 + p.SSZ2 * fy / state.nominal + (p.SSZ3 + p.SSZ4 * state.load_change) * slip.camber
     moment += p.UNLOADED_RADIUS * p.LS * arm * fx
     tilt, resistance = other_moments(p, state, fx, fy, slip.camber)
     return TyreForces(*(state.share * item for item in (fx, fy, moment, tilt, resistance)))
+
+
+def forces_on_ellipse(
+    s: State, angle: Scalar, along: PureCurve, across: PureCurve
+) -> tuple[Scalar, Scalar]:
+    """Return F_x and F_y of pure curves by the friction ellipse; ``angle`` is that of F_y."""
+    x = s.slip + along.horizontal_shift + along.vertical_shift / along.stiffness
+    y = angle + across.horizontal_shift + across.vertical_shift / across.stiffness
+    pure = (Pure(c.force, c.vertical_shift, c.friction * s.load) for c in (along, across))
+    return on_ellipse(x, y, *pure)
 
 
 def longitudinal(p: Coefficients, s: State, slip: Slip) -> PureCurve:
@@ -147,15 +166,13 @@ def _across_weight(
 
 
 def _aligning(
-    p: Coefficients, s: State, slip: Slip, curves: tuple[PureCurve, PureCurve], free: Scalar
+    p: Coefficients, s: State, slip: Slip, across: PureCurve, *, ratio: Scalar, free: Scalar
 ) -> Scalar:
-    """Return the moment by pneumatic trail and the residual moment."""
+    """Return the moment by pneumatic trail and the residual moment; ``ratio`` is K_x κ/K_y."""
     df = s.load_change
-    along, across = curves
     camber = p.LGAZ * slip.camber
     at = slip.angle + p.QHZ1 + p.QHZ2 * df + (p.QHZ3 + p.QHZ4 * df) * camber
     ar = slip.angle + across.horizontal_shift + across.vertical_shift / across.stiffness
-    ratio = along.stiffness / across.stiffness * s.slip
     te, re = (_equivalent(angle, ratio) for angle in (at, ar))
     B = (p.QBZ1 + p.QBZ2 * df + p.QBZ3 * df * df) * p.LKY / p.LMUY
     B *= 1.0 + p.QBZ4 * camber + p.QBZ5 * ops.absolute(camber)

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from functools import partial
 
 from vehicledyn.road.tyres.pacejka.coefficient_values import Coefficients
-from vehicledyn.road.tyres.pacejka.formula_52 import PureCurve
+from vehicledyn.road.tyres.pacejka.formula_52 import PureCurve, forces_on_ellipse
 from vehicledyn.road.tyres.pacejka.state import (
     EQUIVALENT_SLIP_FLOOR,
     FRICTION_FLOOR,
@@ -102,8 +102,10 @@ RULES = {
 """Rules by name of the convention."""
 
 
-def forces_61(p: Coefficients, contact: TyreInput, rules: Rules) -> TyreForces:
-    """Return the forces at combined slip."""
+def forces_61(
+    p: Coefficients, contact: TyreInput, rules: Rules, *, ellipse: bool = False
+) -> TyreForces:
+    """Return the forces at combined slip, by the friction ellipse where ``ellipse`` says so."""
     s = state_of(p, contact)
     camber = ops.sin(s.camber) if rules.sine else s.camber
     tan = tangent(s.angle)
@@ -118,14 +120,16 @@ def forces_61(p: Coefficients, contact: TyreInput, rules: Rules) -> TyreForces:
     if turn is not NO_TURN:
         along = longitudinal(p, s, turn, digression=bends)
         across = lateral(p, s, pure, turn, digression=bends)
-    fx = along.force * _along_weight(p, s, combined)
-    fy = share * across.force + _induced(p, s, combined, across.friction) * turn.z2
-    level = _across_weight(p, s, combined._replace(camber=0.0))
+    if ellipse:
+        fx, fy = forces_on_ellipse(s, pure.angle, along, across)
+        level_force = forces_on_ellipse(s, pure.angle, along, upright)[1]
+    else:
+        fx = along.force * _along_weight(p, s, combined)
+        fy = share * across.force + _induced(p, s, combined, across.friction) * turn.z2
+        level_force = _across_weight(p, s, combined._replace(camber=0.0)) * upright.force
     moment = Slip(tan if rules.moment_tangent else s.angle, camber)
     source = upright if rules.upright_moment else across
-    mz = _aligning(
-        p, s, moment, (along, across, source), level * upright.force, rules=rules, turn=turn
-    )
+    mz = _aligning(p, s, moment, (along, across, source), level_force, rules=rules, turn=turn)
     nominal = p.FNOMIN if rules.equivalent_angles else s.nominal
     arm = p.SSZ1 + p.SSZ2 * fy / nominal + (p.SSZ3 + p.SSZ4 * s.load_change) * camber
     mz += p.UNLOADED_RADIUS * p.LS * arm * fx

@@ -18,6 +18,7 @@ from dataclasses import dataclass
 
 from vehicledyn.road.tyres.pacejka.coefficient_values import Coefficients
 from vehicledyn.road.tyres.pacejka.formula_52 import other_moments
+from vehicledyn.road.tyres.pacejka.friction_ellipse import Pure, on_ellipse
 from vehicledyn.road.tyres.pacejka.state import (
     EQUIVALENT_SLIP_FLOOR,
     State,
@@ -40,9 +41,6 @@ _ADDED_FORCE = 0.1
 _SPEED_MARGIN = 0.1
 """Added to the speed that slips are divided by on a car [m/s]."""
 
-_SLIP_FLOOR = 1e-9
-"""Rounds the direction of the slip in the ellipse where there is none [1]."""
-
 
 @dataclass(frozen=True)
 class _Curve:
@@ -62,7 +60,10 @@ def forces_chrono(p: Coefficients, contact: TyreInput, combined: str) -> TyreFor
     along, across = _longitudinal(p, s), _lateral(p, s)
     fx, fy, ratio, extra = along.force, across.force, None, 0.0
     if combined == "ellipse":
-        fx, fy = _on_ellipse(s, along, across)
+        x = s.slip + along.shift + along.rise / along.stiffness
+        y = s.angle + across.shift + across.rise / across.stiffness
+        pure = (Pure(c.force, c.rise, c.peak) for c in (along, across))
+        fx, fy = on_ellipse(x, y, *pure)
     elif combined == "pacejka":
         fx = along.force * _along_weight(p, s)
         share, extra = _across_weight(p, s, across.peak / s.load)
@@ -127,21 +128,6 @@ def _curve(shape: tuple[Scalar, ...], slip: Scalar, shift: Scalar, rise: Scalar)
     B = K / (C * D + _ADDED_FORCE)
     force = D * ops.sin(C * bent(limited(B * slip, _ARGUMENT_LIMIT), E)) + rise
     return _Curve(force, rise, D, K, shift, B * C)
-
-
-def _on_ellipse(s: State, along: _Curve, across: _Curve) -> tuple[Scalar, Scalar]:
-    """Return the pure forces reduced in the direction of the slip; ratios keep it smooth."""
-    x = s.slip + along.shift + along.rise / along.stiffness
-    y = ops.sin(s.angle + across.shift + across.rise / across.stiffness)
-    used_x, used_y = (
-        ops.absolute(along.force - along.rise),
-        ops.absolute(across.force - across.rise),
-    )
-    part_x = y * used_x / across.peak
-    part_y = x * used_y / along.peak
-    size_x, size_y = (ops.smooth_norm(item, 0.0, _SLIP_FLOOR) for item in (x, y))
-    fx = along.force * size_x / ops.smooth_norm(x, part_x, _SLIP_FLOOR)
-    return fx, across.force * size_y / ops.smooth_norm(y, part_y, _SLIP_FLOOR)
 
 
 def _along_weight(p: Coefficients, s: State) -> Scalar:
