@@ -29,6 +29,7 @@ from vehicledyn.multibody import (
 )
 from vehicledyn.multibody.bodies.beam_properties import Material, Stiffness
 from vehicledyn.multibody.bodies.beam_sections import Section
+from vehicledyn.multibody.elements.external_wrenches import ExternalWrench
 from vehicledyn.multibody.elements.flexible.beam import Beam, Modes
 from vehicledyn.multibody.joints.joint_type import joint_kinds, joint_type
 
@@ -231,6 +232,42 @@ def test_a_tip_force_buckles_it_sideways(settings, tolerance):
     assert low > 0.0 > high
 
 
+THIN = Stiffness(mass_per_length=MASS, z=BENDING)
+"""Without the inertia of sections, which tilts segments in a rotor."""
+
+
+def test_rotation_stiffens_segments():
+    """Flap at a speed of 12: without what their joints give back 3e-4, 8e-4 and 1.3e-3 too high."""
+    given = {"model": "segments", "segments": 32, "modes": Modes(z=1), "stiffness": THIN}
+    found = frequencies(kernel_of(speed=12.0 * PACE, **given))[:3] / PACE
+    assert found == pytest.approx(ROTATING[0.0][12][0], rel=2e-5)
+
+
+def test_a_column_of_segments_buckles():
+    """Under π² E I/4 L² on its end: without what joints give back 3.6e-3 too early."""
+    mass, load = 1e3, np.pi**2 * BENDING / 4.0 / LENGTH**2
+    given = {"model": "segments", "segments": 8, "modes": Modes(z=1), "stiffness": THIN}
+    slowest = []
+    for part in (0.999, 1.001):
+        tip = Body("load", "beam.tip", mass=mass)
+        kernel = kernel_of(tip, gravity=(-part * load / mass, 0.0, 0.0), **given)
+        n = len(kernel.equations.states) // 2
+        slowest.append(np.linalg.eigvals(-matrix_of(kernel)[n:, :n]).real.min())
+    assert slowest[0] > 0.0 > slowest[1]
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 5, 7])
+def test_few_segments_turn_their_end_by_a_moment(count):
+    """Exactly, and what all joints give back is that of each: the end moves along by -½ L ϑ² ..."""
+    moment = 1e-3 * BENDING / LENGTH
+    push = ExternalWrench("push", body="beam.tip", torque=lambda t: (0.0, -moment, 0.0))
+    given = {"model": "segments", "segments": count, "modes": Modes(z=1), "stiffness": THIN}
+    seen = at_rest(kernel_of(parts=(push,), **given))
+    angle = moment * LENGTH / BENDING
+    assert seen["beam.strain_energy"] == pytest.approx(0.5 * moment * angle, rel=1e-6)
+    assert seen["beam.tip_x"] == pytest.approx(-LENGTH * angle**2 / 6.0, rel=1e-4)
+
+
 @pytest.mark.parametrize(
     ("change", "words"),
     [
@@ -256,11 +293,14 @@ def test_a_body_hangs_on_frames_only():
         kernel_of(Body("load", "beam", mass=1.0), modes=Modes(z=2))
 
 
-@pytest.mark.parametrize("kind", kinds("deformation_type"))
-def test_a_coordinate_of_a_deformation_is_no_joint(kind):
-    found = [joint_type(kind, {"measure": unit}) for unit in ("m", "rad")]
+def test_a_coordinate_of_a_deformation_is_no_joint():
+    found = [joint_type("deformation", {"measure": unit}) for unit in ("m", "rad")]
     assert not any(item.makes_link for item in found)
     assert [item.force_unit for item in found] == ["N", "N*m"]
+
+
+@pytest.mark.parametrize("kind", kinds("deformation_type"))
+def test_files_name_nothing_that_beams_bring_along(kind):
     assert kind not in joint_kinds()
 
 

@@ -12,6 +12,12 @@ points the integral of v r s cancels over a pair to the fourth order; what remai
 energy is a surplus of ½ c q̇² a joint, q̇ = h r, with c = μ ∫ s² ds / h² = μ h (2 - √3)/3. So the
 coordinates of stretch have the reflected inertia -c, and those of twist the same of the polar
 inertia. It changes neither weights nor forces at rest.
+
+Nor do segments bend: what is beyond a joint of angle q is drawn back by ½ c q² more than the bent
+axis would draw it, with the same s² dx in c. No places of the joints avoid it: where deflections
+are exact the squared slope of straight segments exceeds that of the axis by the square of their
+difference. So the bending joints of a straight beam shift what is beyond them by ½ c q² along the
+segment before them; one of each four does so for all, the middle one nearest to the next four.
 """
 
 from __future__ import annotations
@@ -24,6 +30,7 @@ from typing import Any
 from vehicledyn.multibody.bodies.beam_properties import TAPER_POINTS, Properties
 from vehicledyn.multibody.bodies.beam_shapes import SPARE, assumed_shapes, quadrature
 from vehicledyn.multibody.bodies.curved_axis import CurvedAxis
+from vehicledyn.multibody.joints.bend import BEND
 from vehicledyn.multibody.model.bodies import Body, Joint, Turn
 from vehicledyn.multibody.model.kinematics import Kinematics
 from vehicledyn.symbolic import ops
@@ -37,11 +44,17 @@ _JOINTS = {
 }
 """Joint and name of the coordinate by which a segment yields in each direction."""
 
+_BENDS = {"z": 2, "y": 3}
+"""Axis about which a segment turns as it bends in each direction."""
+
 _SURPLUS = (2.0 - math.sqrt(3.0)) / 3.0
 """Mean of s² over h², of pairs of joints at Gauss points: (a³ + b³)/24 with a = 2/√3, b = 2 - a."""
 
 _LAST_SURPLUS = 1.0 / 12.0
 """The same of an odd joint in the middle of its part."""
+
+_LAST_KINK = 1.0 / 6.0
+"""What such a joint draws back too much: c over h."""
 
 _CARRIED = {"stretch": "mass", "twist": "inertia"}
 """Directions in which segments move in steps, and what of them does so."""
@@ -52,6 +65,9 @@ _MOST = 0.24
 Beams whose sections change so much that this counts keep a positive definite mass matrix: it needs
 that both ends of a segment take less than half of it together.
 """
+
+_SHARED = 4
+"""Joints of which one shifts for all."""
 
 _FIRST = 3.5160152685
 """ω L² √(μ / E I) of the first mode of a clamped beam."""
@@ -160,24 +176,46 @@ class SegmentedBeam:
         Where all had the same order each twist would act on its bending or not at all, where half
         of it does: an error of 1/n.
         """
-        found = [
-            Joint(
-                kind,
-                f"{self.name}.{word}_{index}",
-                description=f"Joint {index} of {self.name}, {direction}",
-                reflected_inertia=-self._surplus(direction, index),
+        reach = self._given_back(index)
+        found = []
+        for direction, (kind, word) in _JOINTS.items():
+            if direction not in self.yields:
+                continue
+            shifts = bool(reach) and direction in _BENDS
+            settings = {"axis": _BENDS[direction], "reach": reach * self.length} if shifts else {}
+            found.append(
+                Joint(
+                    BEND if shifts else kind,
+                    f"{self.name}.{word}_{index}",
+                    description=f"Joint {index} of {self.name}, {direction}",
+                    reflected_inertia=-self._surplus(direction, index),
+                    settings=settings,
+                )
             )
-            for direction, (kind, word) in _JOINTS.items()
-            if direction in self.yields
-        ]
         return tuple(reversed(found) if index % 2 else found)
+
+    def _given_back(self, index: int) -> float:
+        """Return c over the length by which a joint shifts for itself and others beside it."""
+        if self.axis is not None:
+            return 0.0
+        first = index - (index - 1) % _SHARED
+        last = min(first + _SHARED - 1, self.count)
+        is_even = (first // _SHARED) % 2 == 0
+        if index != min(first + (1 if is_even else 2), last):
+            return 0.0
+        parts = [_LAST_KINK if self._is_odd(k) else _SURPLUS for k in range(first, last + 1)]
+        return sum(parts) / self.count
+
+    def _is_odd(self, index: int) -> bool:
+        """Return whether a joint is a last one in the middle of its part."""
+        return index == self.count and self.count % 2 == 1
 
     def _surplus(self, direction: str, index: int) -> Scalar:
         """Return the inertia by which segments that move in steps have too much at a joint."""
         if direction not in _CARRIED:
             return 0.0
-        place, is_last = self.joints[index - 1], index == self.count
-        share = _LAST_SURPLUS if is_last and self.count % 2 else _SURPLUS
+        place = self.joints[index - 1]
+        share = _LAST_SURPLUS if self._is_odd(index) else _SURPLUS
         here, step = self.properties.at(place), self.length / self.count
         found = share * step * (here.polar if direction == "twist" else here.mass_per_length)
         if self.properties.is_uniform:

@@ -201,6 +201,11 @@ def joint_type(kind: str, settings: dict[str, Any]) -> JointType:
     return found
 
 
+def brought_kinds() -> tuple[str, ...]:
+    """Return the names of the types that only elements bring along."""
+    return kinds(DEFORMATIONS)
+
+
 def joint_kinds() -> tuple[str, ...]:
     """Return the names of all types."""
     return kinds(FAMILY)

@@ -9,7 +9,7 @@ from typing import Literal, TypeAlias
 
 from vehicledyn.base.errors import InputError, unknown_name
 from vehicledyn.multibody.joints.deformation import DEFORMATION
-from vehicledyn.multibody.joints.joint_type import joint_kinds, joint_type
+from vehicledyn.multibody.joints.joint_type import brought_kinds, joint_kinds, joint_type
 from vehicledyn.multibody.model.bodies import ROLES, Body, Joint
 from vehicledyn.multibody.model.constraints import Constraint
 from vehicledyn.multibody.model.contributions import merged, parents_first
@@ -227,7 +227,7 @@ def _type_problem(joint: Joint) -> str:
     """Return what is wrong with the kind of a joint or with its settings."""
     if joint.kind == DEFORMATION:
         return ""
-    if joint.kind not in joint_kinds():
+    if joint.kind not in (*joint_kinds(), *brought_kinds()):
         return unknown_name("kind", joint.kind, joint_kinds())
     try:
         joint_type(joint.kind, joint.settings)
