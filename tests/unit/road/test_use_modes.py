@@ -12,6 +12,7 @@ from vehicledyn.road.tyres.tyre import TyreInput
 from vehicledyn.road.tyres.tyre_of_file import TyreOfFile
 
 PAC = "passenger_235_60R16_pac2002.tir"
+MF61 = "passenger_R0394_mf61.tir"
 FELT = (4e3, 0.04, 0.05, 0.02, 20.0)
 
 
@@ -64,6 +65,16 @@ def test_what_a_file_asks_for_is_told(written):
     assert "turn slip" in told[3] and "kind: contact_patch" in told[3]
     assert "mirror image" in told[4] and not list(asked(written(14), relaxed=True))
     assert not list(asked(written(1, acting="combined")))
+
+
+def test_unknown_names_and_pressures_outside_the_range_are_told(tmp_path):
+    text = (resources.files("vehicledyn.library.tyres") / MF61).read_text()
+    (tmp_path / "b.tir").write_text(text.replace("PKY3 =", "PKY33 ="))
+    (told,) = asked(TyreOfFile(file=str(tmp_path / "b.tir")))
+    assert told == "b.tir: names without effect, since no law knows them: PKY33"
+    (told,) = asked(TyreOfFile(file=MF61, pressure="1 bar"))
+    assert "the pressure of 100 kPa is outside the file's 200 to 400 kPa" in told
+    assert not list(asked(TyreOfFile(file=MF61, pressure="2.2 bar")))
 
 
 SEDAN = {"file": "passenger_245_40R18_pac2002.tir"}

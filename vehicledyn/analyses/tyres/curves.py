@@ -47,8 +47,6 @@ class TyreReport:
             lines.append(f"{fact['file']}: version {fact['version']}, side {fact['side']}")
             for name, (low, high, unit) in fact["ranges"].items():
                 lines.append(f"  range of {name}: {low:g} to {high:g} {unit}")
-            if fact["unknown"]:
-                lines.append(f"  unknown, without effect: {', '.join(fact['unknown'])}")
             lines += [f"  {text}" for text in fact["asked"]]
             heads = [f"{text} [{unit}]" for text, unit in _HEADS.values()]
             lines.append("  " + "".join(f"{head:>20}" for head in heads))
