@@ -62,8 +62,10 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
         except TypeError:
             return function(*args, **kwargs)  # Python's own message names the function
         for name, value in given.items():
-            if signature.parameters[name].kind is not inspect.Parameter.VAR_KEYWORD:
-                _check(name, value, hints()[name])
+            kind = signature.parameters[name].kind
+            if name in hints() and kind is not inspect.Parameter.VAR_KEYWORD:
+                for item in value if kind is inspect.Parameter.VAR_POSITIONAL else (value,):
+                    _check(name, item, hints()[name])
         return function(*args, **kwargs)
 
     return call

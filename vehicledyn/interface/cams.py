@@ -61,7 +61,7 @@ def cam(
         found = cam_of(Document("cam", "", {"title": "A cam", **description}), Path())
     else:
         found = read_cam(Path(description))
-    places = None
+    allowed, places = positive("tolerance", tolerance, "m"), None
     if angles is not None:
         places = [quantity("angles", angle, "rad") for angle in angles]
         if not places:
@@ -73,7 +73,7 @@ def cam(
         if target is not None:
             if target.suffix.lower() not in (".dxf", ".csv"):
                 raise InputError(f"{given('profile', str(target))}: must end in .dxf or .csv")
-            write_profile(target, drawing_of(found, positive("tolerance", tolerance, "m")))
+            write_profile(target, drawing_of(found, allowed))
         return place.value(CamReport(table, profile=target))
 
 

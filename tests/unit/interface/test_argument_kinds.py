@@ -101,3 +101,22 @@ def test_other_callers_give_other_names():
         halve(True)
     with pytest.raises(TypeError, match=r"halve\(\) missing 1 required positional argument"):
         halve()
+
+
+@pytest.mark.parametrize(
+    ("ask", "words"),
+    [
+        (lambda data, a: data[["body.height"]], "name: expected a text, found ['body.height']"),
+        (lambda data, a: data.names(3), "patterns: expected a text, found 3"),
+        (lambda data, a: data.plot("body.height", against=["time"]), "against: expected a text or"),
+        (lambda data, a: data.plot("body.height", others={"old": "x"}), "others: expected a "),
+        (lambda data, a: data.save(3), "path: expected a text or a path, found 3"),
+        (lambda data, a: data.export(None), "path: expected a text or a path, found None"),
+        (lambda data, a: a.to(1e3), "unit: expected a text, found 1000.0"),
+    ],
+)  # fmt: skip
+def test_results_refuse_what_they_cannot_use(ask, words):
+    data = vd.equilibrium("quarter_car")
+    with pytest.raises(InputError) as refused:
+        ask(data, data[next(iter(data))])
+    assert words in str(refused.value)

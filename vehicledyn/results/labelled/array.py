@@ -11,6 +11,7 @@ import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 from numpy.typing import NDArray
 
+from vehicledyn.base.checked_arguments import checked
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.units import parse_unit
 
@@ -70,6 +71,7 @@ class LabelledArray(NDArrayOperatorsMixin):
         """Lengths of the dimensions."""
         return self.values.shape
 
+    @checked
     def to(self, unit: str) -> NDArray[Any]:
         """Return the values in another unit, such as "deg/s".
 

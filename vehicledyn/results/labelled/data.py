@@ -101,6 +101,7 @@ class LabelledData(Mapping[str, LabelledArray]):
         """
         return self["time"].values
 
+    @checked
     def __getitem__(self, name: str) -> LabelledArray:
         """Return an array.
 
@@ -113,6 +114,7 @@ class LabelledData(Mapping[str, LabelledArray]):
             raise UnknownNameError(unknown_array(str(name), self._source.names))
         return self._read([name])[0]
 
+    @checked
     def arrays(self, *patterns: str) -> list[LabelledArray]:
         """Return the arrays that match any of some shell patterns, all if none is given.
 
@@ -149,6 +151,7 @@ class LabelledData(Mapping[str, LabelledArray]):
         """Return the number of arrays."""
         return len(self._source.names)
 
+    @checked
     def names(self, *patterns: str) -> list[str]:
         """Return the names that match any of some shell patterns, all if none is given.
 
@@ -167,12 +170,14 @@ class LabelledData(Mapping[str, LabelledArray]):
             found += [name for name in matching if name not in found]
         return found
 
+    @checked
     def to_xarray(self, *patterns: str) -> xarray.Dataset:
         """Return an ``xarray.Dataset`` of the arrays that match; xarray must be installed."""
         from vehicledyn.results.labelled.conversion import data_set
 
         return data_set(self, patterns)
 
+    @checked
     def to_dataframe(self, *patterns: str) -> pandas.DataFrame:
         """Return a pandas table: one column an array, the dimensions as index.
 
@@ -183,6 +188,7 @@ class LabelledData(Mapping[str, LabelledArray]):
 
         return data_frame(self, patterns)
 
+    @checked
     def plot(
         self,
         *patterns: str,
@@ -214,6 +220,7 @@ class LabelledData(Mapping[str, LabelledArray]):
             others = {f"{other.title} ({k})": other for k, other in enumerate(others, 2)}
         return draw_requested({self.title: self, **others}, patterns, against)
 
+    @checked
     def save(self, path: str | Path, *, overwrite: bool = False) -> Path:
         """Write the whole result to a file, which every command reads; return its path.
 
@@ -233,6 +240,7 @@ class LabelledData(Mapping[str, LabelledArray]):
             raise write_failed(target, error) from error
         return target
 
+    @checked
     def export(self, path: str | Path, *patterns: str, overwrite: bool = False) -> Path:
         """Write arrays as a table: .csv, .mat or .parquet by the name of the file; return its path.
 
