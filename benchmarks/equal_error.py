@@ -55,19 +55,19 @@ CASES = {
         4.5,
         0.01,
         steps("rk4", 1.0, 5 / 3, 2.0, 2.5) + steps("rkc", 2.0, 2.5, stages=5),
-        implicit(10.0, 5.0, 2.5, 2.0),
+        implicit(10.0, 5.0, 2.5, 5 / 3),
     ),
     "systems/tractor_semitrailer": (
         6.0,
         0.05,
         steps("rk4", 1.0, 1.25, 5 / 3, 2.0) + steps("rkc", 2.0, 2.5, stages=5),
-        implicit(10.0, 5.0, 2.5, 1.0),
+        implicit(10.0, 5.0, 2.5, 1.25, 1.0),
     ),
     "systems/jeep_leaf_springs": (
         3.0,
         0.01,
         steps("rk4", 0.25, 0.5, 0.625, 1.0) + steps("rkc", 0.625, 1.0, stages=5),
-        implicit(10.0, 5.0, 2.5, 1.0, 0.5),
+        implicit(10.0, 5.0, 2.5, 1.25, 5 / 6, 0.5),
     ),
     "systems/truck_flexible_frame": (
         3.0,
