@@ -316,3 +316,22 @@ def test_the_energy_of_unlike_four_bars_does_not_drift_over_100_000_steps(count)
     means = energy[1:].reshape(10, -1).mean(axis=1)
     assert np.ptp(energy) < 5e-5
     assert abs(np.polyfit(np.arange(10.0), means, 1)[0] * 9.0) < 0.01 * np.ptp(energy)
+
+
+def test_a_jacobian_that_costs_more_than_a_new_one_is_found_anew(interpreted, monkeypatch):
+    """A spring slowly gets stiffer, so that iterations converge ever slower, but fast enough.
+
+    With the Jacobian of the start a step takes three evaluations.
+    """
+    t, x, v = symbols("t", "x", "v")
+    stiffness = 1e6 * (1.0 + 0.02 * t)
+    equations = build(
+        "stiffer", time=t, states=[(x, 0.0), (v, 1.0)], outputs=[("x", x)],
+        rates=[v, -stiffness * (x - ca.sin(t)) - 2e3 * (v - ca.cos(t))],
+        parameters=[], positions=(0,), velocities=(1,),
+    )  # fmt: skip
+    kernel = compile_kernel(equations, backend="compiled")
+    monkeypatch.setattr(newmark_weights, "FEW_STATES", 0)
+    for call in (now, interpreted):
+        took = call(lambda: run(kernel, Weights.generalised_alpha(0.8), interval=0.05, stop=10.0))
+        assert took[1].evaluations < 2.2 * took[1].steps

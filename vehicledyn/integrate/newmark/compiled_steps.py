@@ -253,6 +253,7 @@ class CompiledSteps(CompiledLoop[ReducedPlace]):
         found = self._form.jacobian(self.place.point)
         self._arrays["jacobian"][0] = found[pattern.rows, pattern.columns]
         own.is_stale, own.has_jacobian, own.size = 0, FRESH_JACOBIAN, 0.0
+        own.fewest = own.wasted = 0
 
     def _place(self, name: str, at: PlaceRecord) -> ReducedPlace:
         x, z, rates, auxiliary, change, drift = (

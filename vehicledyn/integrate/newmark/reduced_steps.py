@@ -19,6 +19,7 @@ import numpy as np
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.integrate.course import Carried
 from vehicledyn.integrate.events import Point
+from vehicledyn.integrate.newmark.matrix_pattern import matrix_pattern
 from vehicledyn.integrate.newmark.weights import Weights
 from vehicledyn.integrate.task import Task
 from vehicledyn.kernel.derivatives import Derivatives
@@ -132,6 +133,7 @@ class ReducedSteps:
         self._rows, self._pairs = form.rows, form.pairs
         self._new_mass, self._gamma = form.new_mass, form.gamma
         self._jacobian: Vector | None = None
+        self._fewest = self._wasted = 0
         self._factors: Any = None
         self._size = 0.0
         self._is_stale = True
@@ -187,14 +189,21 @@ class ReducedSteps:
             self._is_stale = self._is_stale or (contraction > _SLOW and size > _ROUNDING)
             reached = self._reached(Point(end, x + moved, z), new, known, old, place)
             allowed = min(max(w.share * self.error(place, reached), _CLOSE), _COARSEST)
-            if size * contraction / max(1.0 - contraction, 1e-3) < allowed and iteration:
-                return reached
-            if size == 0.0 or (contraction > 0.5 and size < _ROUNDING):
+            settled = size * contraction / max(1.0 - contraction, 1e-3) < allowed and iteration
+            if settled or size == 0.0 or (contraction > 0.5 and size < _ROUNDING):
+                self._count_waste(iteration + 1)
                 return reached
             if contraction > 0.9:
                 return None
             before = size
         return None
+
+    def _count_waste(self, evaluations: int) -> None:
+        """Find a Jacobian anew that has cost more evaluations than a new one takes."""
+        self._fewest = min(self._fewest or evaluations, evaluations)
+        self._wasted += evaluations - self._fewest
+        if self._wasted and self._wasted > len(matrix_pattern(self._task.kernel).colour_starts) - 1:
+            self._is_stale = True
 
     def _reached(
         self, point: Point, new: Vector, known: Vector, old: Vector, before: ReducedPlace
@@ -231,6 +240,7 @@ class ReducedSteps:
         if self._is_stale or self._jacobian is None:
             self._jacobian = self._form.jacobian(point)
             self._is_stale, self._size = False, 0.0
+            self._fewest = self._wasted = 0
         if self._size and abs(h - self._size) <= 1e-9 * self._size:
             return
         by_new = self._jacobian[:, self._rows] * (h * self._gamma)

@@ -73,6 +73,7 @@ static int find_jacobian(struct run *m, int lane) {
   m->matrix[lane].is_stale = 0;
   m->matrix[lane].has_jacobian = FRESH;
   m->matrix[lane].size = 0.0;
+  m->matrix[lane].fewest = m->matrix[lane].wasted = 0;
   return 1;
 }
 

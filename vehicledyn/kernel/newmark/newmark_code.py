@@ -96,6 +96,7 @@ class MatrixRecord(ctypes.Structure):
     _fields_ = [
         ("size", _D),
         *((name, _L) for name in ("is_stale", "has_jacobian", "is_full", "halvings")),
+        *((name, _L) for name in ("fewest", "wasted")),
     ]
 
 

@@ -67,11 +67,12 @@ struct pattern {
 };
 
 /* The matrix of one lane: for which size of step it is, whether it is out of date, whether its
-   Jacobian is there, and whether its factors are full; and how often steps of several lanes are
-   halved in this one. */
+   Jacobian is there, and whether its factors are full; how often steps of several lanes are halved
+   in this one; how many evaluations a step with the Jacobian took at least, and how many more the
+   others took together. */
 struct matrix {
   double size;
-  long long is_stale, has_jacobian, is_full, halvings;
+  long long is_stale, has_jacobian, is_full, halvings, fewest, wasted;
 };
 
 /* newmark_code.py lays it out alike. Lists of places in the state: rows are those but for

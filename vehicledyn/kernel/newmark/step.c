@@ -54,6 +54,13 @@ static void mark_stale(struct run *m, vd_mask lanes) {
     if (VD_HOLDS(lanes, lane)) m->matrix[lane].is_stale = 1;
 }
 
+/* A Jacobian that has cost more evaluations than a new one takes is found anew. */
+static void count_waste(struct run *m, struct matrix *own, long long evaluations) {
+  if (!own->fewest || evaluations < own->fewest) own->fewest = evaluations;
+  own->wasted += evaluations - own->fewest;
+  if (own->wasted > m->pattern.n_colours) own->is_stale = 1;
+}
+
 /* Iterate from auxiliary rates and unknowns that change as in the step before, in some lanes; the
    end is in m->found. Rates at the end are those that the step demands. Returns the lanes that
    converge, each until the error left is a small part of the step's own. */
@@ -120,7 +127,10 @@ static vd_mask iterate(struct run *m, double end, vd_mask open) {
       }
       found->time = end;
       for (int lane = 0; lane < VD_LANES; lane++)
-        if (VD_HOLDS(done, lane)) found->size[lane] = h;
+        if (VD_HOLDS(done, lane)) {
+          found->size[lane] = h;
+          count_waste(m, m->matrix + lane, iteration + 1);
+        }
       taken = vd_or(taken, done);
     }
     open = vd_and(vd_and(open, vd_not(done)), vd_le(contraction, vd_all(0.9)));
