@@ -13,7 +13,8 @@ _SINGULAR: dict[BlockKind, str] = {
 }
 _UNSOLVED: dict[BlockKind, str] = {
     "loop": "the loop cannot close here",
-    "contact": "no point of contact is found here (is the ground curved more than the wheel?)",
+    "contact": "no point of contact is found here (is the ground curved more than the wheel, or "
+    "its soil too soft to carry it?)",
     "force": "no force of the constraint fits the friction that it brings about",
 }
 

@@ -56,11 +56,17 @@ class RoadLimits(BasePart):
             upright += [self._stands(situation, wheel) for wheel in self.wheels]
             words.append(f"a wheel leans by more than {math.degrees(MOST_WHEEL_LEAN):.0f} deg")
         lean = f"{' or '.join(words)} from the road"
-        sunk = "the centre of a wheel has gone through the road"
         return (
             _ending("overturned", _least(upright), f"{lean}: it has rolled or fallen over"),
-            _ending("sunk", self._lowest(situation), f"{sunk}; look for a step too long"),
+            _ending("sunk", self._lowest(situation), self._sunk),
         )
+
+    @property
+    def _sunk(self) -> str:
+        """What it means that the centre of a wheel is below the ground."""
+        if any(wheel.surface.soil is not None for wheel in self.wheels):
+            return "a wheel has sunk to its centre: the soil does not carry it; make it firmer"
+        return "the centre of a wheel has gone through the road; look for a step too long"
 
     def _upright(self, situation: Situation, body: str) -> Scalar:
         """Return how far the chassis is from the largest lean, in the cosine of the lean [1]."""

@@ -9,6 +9,7 @@ from scipy.integrate import quad
 
 import vehicledyn.road  # noqa: F401
 from vehicledyn.base.registry import find, kinds
+from vehicledyn.road.limits import RoadLimits
 from vehicledyn.road.wheel.soft_ground import soil_forces
 
 SAND = {
@@ -115,3 +116,9 @@ def test_power_is_never_gained():
         found = soil_forces(soil(), R, rng.uniform(1e-3, 0.15), slip=slip, side_slip=tangent)
         lost = found.torque * (1.0 + slip) / R - found.pull - found.side * tangent
         assert lost > 0.0
+
+
+def test_a_wheel_that_sinks_in_soil_is_no_matter_of_the_step():
+    for ground, words in ((None, "step too long"), (soil(), "the soil does not carry it")):
+        wheel = SimpleNamespace(surface=SimpleNamespace(soil=ground))
+        assert words in RoadLimits(None, (wheel,))._sunk
