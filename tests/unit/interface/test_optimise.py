@@ -81,6 +81,11 @@ def test_a_stopped_search_goes_on_to_the_same_optimum(tmp_path, monkeypatch):
         ("body.stiffness: {", "body.stifness: {", "did you mean 'body.stiffness'"),
         ("from: 5 kN/m", "from: 70 kN/m", "from must be below to"),
         ("start: 50 kN/m", "start: 90 kN/m", "outside its bounds"),
+        (
+            "variables:\n",
+            "variables:\n  wheel.mass: {from: 0 kg, to: 60 kg}\n",
+            r"variables\.wheel\.mass: the model refuses 0 kg: .*greater than 0 kg",
+        ),
         ("from: 5 kN/m", "from: 5 kg", r"variables\.body\.stiffness\.from: '5 kg'"),
         ("at_most: 0.12", "at_least: 0.2 m/s, at_most: 0.12", "at_least is above at_most"),
         ("rms(strut.rate)", "rms(strut.rat)", "did you mean 'strut.rate'"),

@@ -43,6 +43,10 @@ def test_risks_and_indices():
         ({"parameters": {"length": {"kind": "normal", "mean": "1 m"}}}, "mean, deviation"),
         ({"parameters": {"length": LAWS["length"] | {"mean": "1 kg"}}}, "kg"),
         ({"parameters": {"length": LAWS["length"] | {"deviation": "-1 mm"}}}, "above zero"),
+        (
+            {"parameters": {"mass": {"kind": "uniform", "from": "-1 kg", "to": "2 kg"}}},
+            "mass: the model refuses -0.997 kg",
+        ),
         ({"parameters": {}}, "at least one"),
         ({"method": "guess"}, "method: expected 'first_order'.* found 'guess'"),
         ({"method": "sobol", "number": 30}, "power of two"),

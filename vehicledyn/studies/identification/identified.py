@@ -14,6 +14,7 @@ from vehicledyn.analyses.sensitivity.names import START
 from vehicledyn.base.errors import InputError, nearest_name
 from vehicledyn.base.units import to_si
 from vehicledyn.results.store.linear_file import Quantity
+from vehicledyn.studies.refused_values import refuse_ends
 
 Floats = NDArray[np.float64]
 
@@ -59,6 +60,14 @@ class Unknowns:
             for key, value in _numbers(name, quantity.unit, item, known[0][name][1]).items():
                 columns[key].append(value)
         low, high, start, prior, deviation = (np.array(columns[key]) for key in KEYS)
+        own = [k for k, name in enumerate(names) if not name.startswith(START)]
+        refuse_ends(
+            [study.loaded for study in studies],
+            {names[k]: (float(low[k]), float(high[k])) for k in own},
+            {names[k]: known[0][names[k]][1] for k in own},
+            {names[k]: quantities[k] for k in own},
+            place="parameters.",
+        )
         return Unknowns(quantities, low, high, start, prior, deviation)
 
     @property

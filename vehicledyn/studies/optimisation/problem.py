@@ -20,6 +20,7 @@ from vehicledyn.base.units import to_si
 from vehicledyn.studies.optimisation.file import Limit, OptimisationStudy, Variable
 from vehicledyn.studies.optimisation.parts import parts_of
 from vehicledyn.studies.optimisation.scatter import Scatter, combined
+from vehicledyn.studies.refused_values import refuse_ends
 
 Floats = NDArray[np.float64]
 
@@ -89,6 +90,15 @@ class Problem:
             ]
         ).T
         self._check_bounds()
+        rows = zip(self.variables, self.low, self.high, values, strict=True)
+        bounds = {about.name: (float(a), float(b), float(v)) for about, a, b, v in rows}
+        refuse_ends(
+            study.scenarios.values(),
+            {name: (low, high) for name, (low, high, _) in bounds.items()},
+            {name: value for name, (_, _, value) in bounds.items()},
+            {item.name: item for item in self.variables},
+            place=f"{study.path}: variables.",
+        )
         self.units: dict[str, str] = {}
         self.n_known = kept.n_known
 

@@ -23,11 +23,15 @@ from vehicledyn.base.units import to_si
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.studies.distributions import read_law, wrong
+from vehicledyn.studies.refused_values import refuse_ends
 from vehicledyn.studies.uncertainty.report import Risk, UncertaintyReport
 
 Floats = NDArray[np.float64]
 
 _WITHOUT_RISK = ("first_order", "second_order")
+
+_RARE = 1e-3
+"""Chance of a value below or above which a model need not take it."""
 
 _STEP = 0.1
 """Step of differences of first derivatives, in deviations of the parameter."""
@@ -82,6 +86,19 @@ class Cases:
                 raise InputError(f"'{name}' is no parameter of '{e.name}' that can scatter{hint}")
         pairs = zip(names, parameters.values(), strict=True)
         laws = [read_law("parameters", name, given, units[name]) for name, given in pairs]
+        values = dict(
+            zip([p.name for p in e.parameters], study.prepared.kernel.parameters, strict=True)
+        )
+        refuse_ends(
+            [loaded],
+            {
+                name: (float(law.law.ppf(_RARE)), float(law.law.ppf(1.0 - _RARE)))
+                for name, law in zip(names, laws, strict=True)
+            },
+            {name: float(values[name]) for name in names},
+            {p.name: Quantity(p.name, p.unit, p.description) for p in e.parameters},
+            place="parameters.",
+        )
         return Cases(study, asked, names, laws, progress)
 
     def check_limits(self, method: str, limits: Mapping[str, Mapping[str, Any]]) -> None:
