@@ -121,4 +121,4 @@ def test_power_is_never_gained():
 def test_a_wheel_that_sinks_in_soil_is_no_matter_of_the_step():
     for ground, words in ((None, "step too long"), (soil(), "the soil does not carry it")):
         wheel = SimpleNamespace(surface=SimpleNamespace(soil=ground))
-        assert words in RoadLimits(None, (wheel,))._sunk
+        assert words in RoadLimits("car", body=None, wheels=(wheel,))._sunk
