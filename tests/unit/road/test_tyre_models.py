@@ -150,3 +150,31 @@ def test_brush_is_its_closed_form_to_1e_9_newtons():
         assert found.longitudinal_force == pytest.approx(force * along / size, abs=1e-9)
         assert found.lateral_force == pytest.approx(-force * across / size, abs=1e-9)
         assert found.aligning_moment == pytest.approx(moment * across / size, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"sliding_slip": (0.05, 0.06)}, "sliding_slip: must lie beyond peak_slip"),
+        ({"peak_force": (3.3e3, 3e3)}, "peak_force: must grow with the load"),
+        ({"slope": (0.0, 0.0)}, "slope: must be above zero"),
+        ({"peak_slip": (0.11, 0.02)}, "peak_slip: the straight line through both values"),
+    ],
+)
+def test_points_of_tmeasy_that_no_curve_joins_are_refused(change, words):
+    with pytest.raises(ValueError, match=words):
+        Points(**{**ALONG.model_dump(), **change})
+
+
+def test_a_trail_that_ends_before_it_is_zero_is_refused():
+    with pytest.raises(ValueError, match="trail_end_slip: must lie beyond trail_zero_slip"):
+        TMeasy(nominal_load=3e3, longitudinal=ALONG, lateral=ACROSS, trail_end_slip=0.2)
+
+
+def test_the_formula_of_1989_needs_stiffness_and_peaks_but_no_moment():
+    quiet = MagicFormula1989(lateral=A, longitudinal=B, aligning=(2.4, *([0.0] * 17)))
+    assert forces(quiet, 4e3, 0.05, 0.05, 0.0)[2] == 0.0
+    for place in (3, 4):
+        flat = tuple(0.0 if k == place else value for k, value in enumerate(A))
+        with pytest.raises(ValueError, match=f"number {place}, counted from 0, must not be zero"):
+            MagicFormula1989(lateral=flat, longitudinal=B, aligning=C)

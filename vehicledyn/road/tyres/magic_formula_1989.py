@@ -66,6 +66,10 @@ class MagicFormula1989(Tyre):
             raise ValueError(f"expected {wanted} coefficients, found {len(value)}")
         if not 1.0 < value[0] <= _LARGEST_SHAPE:
             raise ValueError(f"the shape factor C, first of them, must be above 1: {value[0]:g}")
+        for places in _NEEDED[str(info.field_name)]:
+            if not any(value[k] for k in places):
+                names = " or ".join(f"number {k}" for k in places)
+                raise ValueError(f"{names}, counted from 0, must not be zero")
         return value
 
     def forces(self, contact: TyreInput) -> TyreForces:
@@ -91,6 +95,8 @@ class MagicFormula1989(Tyre):
 
 _LARGEST_SHAPE = 4.0
 _COUNTS = {"lateral": 14, "longitudinal": 11, "aligning": 18}
+_NEEDED = {"lateral": ((1, 2), (3,), (4,)), "longitudinal": ((1, 2), (3, 4)), "aligning": ()}
+"""Places of coefficients of which one at least is not zero; a tyre may have no moment."""
 
 
 def _lateral(a: tuple[Scalar, ...], F: Scalar, camber: Scalar) -> Curve:
@@ -114,7 +120,8 @@ def _aligning(c: tuple[Scalar, ...], F: Scalar, camber: Scalar) -> Curve:
     E = ops.minimum(((c[7] * F + c[8]) * F + c[9]) * (1.0 - c[10] * ops.absolute(camber)), 1.0)
     shift = c[11] * camber + c[12] * F + c[13]
     rise = (c[14] * F + c[15]) * F * camber + c[16] * F + c[17]
-    return Curve(D, c[0], K / (c[0] * D), E, shift, rise)
+    B = 0.0 if ops.is_structurally_zero(D) else K / (c[0] * D)
+    return Curve(D, c[0], B, E, shift, rise)
 
 
 def _lean(factor: Scalar, camber: Scalar) -> Scalar:

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Self
+
+from pydantic import model_validator
 
 from vehicledyn.base.parameters import ParameterSet, quantity
 from vehicledyn.base.registry import register
@@ -32,6 +35,35 @@ class Points(ParameterSet):
     peak_force: tuple[float, float] = quantity("N", "Largest force F_M")
     sliding_slip: tuple[float, float] = quantity("1", "Slip s_S from which the tyre slides")
     sliding_force: tuple[float, float] = quantity("N", "Force F_S of the sliding tyre")
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        """Refuse points through which no curve goes, or none at other loads."""
+        for name in ("slope", "peak_force", "sliding_force", "peak_slip", "sliding_slip"):
+            one, two = getattr(self, name)
+            if min(one, two) <= 0.0:
+                raise ValueError(f"{name}: must be above zero")
+            if not name.endswith("slip") and two <= one:
+                raise ValueError(
+                    f"{name}: must grow with the load, or the parabola through both values turns "
+                    "negative at three times the first load"
+                )
+            if name.endswith("slip") and not 0.5 * one < two < 2.0 * one:
+                raise ValueError(
+                    f"{name}: the straight line through both values is negative between no load "
+                    "and three times the first load"
+                )
+        gaps = [_on_line(self.sliding_slip, x) - _on_line(self.peak_slip, x) for x in (0.0, 3.0)]
+        if min(gaps) <= 0.0:
+            raise ValueError(
+                "sliding_slip: must lie beyond peak_slip from no load to three times the first"
+            )
+        return self
+
+
+def _on_line(pair: tuple[Scalar, Scalar], load: Scalar) -> Scalar:
+    """Return a slip at a load over the nominal load."""
+    return pair[0] + (pair[1] - pair[0]) * (load - 1.0)
 
 
 @dataclass(frozen=True)
@@ -82,6 +114,13 @@ class TMeasy(Tyre):
         "1", "Friction of the road over that of the tests", default=1.0, gt=0
     )
 
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        """Refuse a trail that ends before it is zero."""
+        if self.trail_end_slip <= self.trail_zero_slip:
+            raise ValueError("trail_end_slip: must lie beyond trail_zero_slip")
+        return self
+
     def forces(self, contact: TyreInput) -> TyreForces:
         """Return the forces at combined slip."""
         felt = contact.normal_force / self.nominal_load
@@ -115,14 +154,11 @@ def _at_load(points: Points, load: Scalar) -> Curve:
         one, two = pair
         return load * (2.0 * one - 0.5 * two - (one - 0.5 * two) * load)
 
-    def slip(pair: tuple[float, float]) -> Scalar:
-        return pair[0] + (pair[1] - pair[0]) * (load - 1.0)
-
     return Curve(
         force(points.slope),
-        slip(points.peak_slip),
+        _on_line(points.peak_slip, load),
         force(points.peak_force),
-        slip(points.sliding_slip),
+        _on_line(points.sliding_slip, load),
         force(points.sliding_force),
     )
 
