@@ -1,6 +1,8 @@
 """Every tyre of the catalogue: signs, symmetry, friction, finiteness; and each law's own facts."""
 
 import csv
+import importlib
+import inspect
 import math
 from importlib import resources
 from pathlib import Path
@@ -15,6 +17,7 @@ from vehicledyn.road.tyres import brush, calspan, similarity, tmeasy
 from vehicledyn.road.tyres.calspan import Calspan
 from vehicledyn.road.tyres.linear import Linear
 from vehicledyn.road.tyres.magic_formula_1987 import MagicFormula1987
+from vehicledyn.road.tyres.scaling_factors import UNREAD, ScalingFactors
 from vehicledyn.road.tyres.tyre import TyreInput
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.parameters import ParameterTable
@@ -436,8 +439,26 @@ def test_scaling_friction_and_pressure():
         vector(without, 4e3, 0.0, 0.02, 0.0)
     with pytest.raises(ValueError, match="LMUX"):
         find("tyre", "file")(**base, scaling={"LMUX": 0.0})
-    with pytest.raises(Exception, match="LMUZ"):
-        find("tyre", "file")(**base, scaling={"LMUZ": 1.0})
+    for name in ("LMUZ", "LGYR", "LCZ"):
+        with pytest.raises(Exception, match=name):
+            find("tyre", "file")(**base, scaling={name: 1.0})
+
+
+@pytest.mark.parametrize("version", UNREAD)
+def test_scaling_factors_that_no_formula_reads_are_refused(version):
+    """Those that are taken stand in the formulas of the version."""
+    names = ("formula_61", "turn_slip") if version[0] == "6" else ("formula_52", "formula_chrono")
+    modules = [*(f"pacejka.{n}" for n in (*names, "state", "relaxation_lengths")), "file_tyre"]
+    found = [importlib.import_module(f"vehicledyn.road.tyres.{name}") for name in modules]
+    formulas = "".join(map(inspect.getsource, found))
+    read = {name for name in ScalingFactors.model_fields if f"p.{name}" in formulas}
+    assert set(ScalingFactors.model_fields) - read == set(UNREAD[version])
+
+
+def test_a_scaling_factor_of_another_version_is_named():
+    of_52 = find("tyre", "file")(file="passenger_235_60R16_pac2002.tir", scaling={"LKYC": 2.0})
+    with pytest.raises(InputError, match=r"\.tir: scaling\.LKYC: Magic Formula pac2002 has no"):
+        vector(of_52, 4e3, 0.0, 0.02, 0.0)
 
 
 def test_a_law_refuses_files_of_another_version():

@@ -21,7 +21,7 @@ from vehicledyn.road.tyres.pacejka.relaxation_lengths import (
     has_stiffness,
 )
 from vehicledyn.road.tyres.pacejka.turn_slip import USED
-from vehicledyn.road.tyres.scaling_factors import ScalingFactors
+from vehicledyn.road.tyres.scaling_factors import UNREAD, ScalingFactors
 from vehicledyn.road.tyres.tyre import RelaxationLengths, Tyre, TyreForces, TyreInput
 
 _OTHER = {"left": "right", "right": "left"}
@@ -186,7 +186,12 @@ class FileTyre(Tyre):
 
     def coefficients(self) -> Coefficients:
         """Return the file's coefficients with the changes of this tyre."""
-        p = Coefficients(self.content.values).changed(**self.scaling.given())
+        given, version = self.scaling.given(), self.content.version
+        unread = [name for name in given if name in UNREAD[version]]
+        if unread:
+            words = f"Magic Formula {version} has no such factor; leave it out"
+            raise InputError(f"{self.path}: scaling.{unread[0]}: {words}")
+        p = Coefficients(self.content.values).changed(**given)
         changes: dict[str, Any] = {
             "LMUX": p.LMUX * self.friction,
             "LMUY": p.LMUY * self.friction,

@@ -4,9 +4,17 @@ from __future__ import annotations
 
 from vehicledyn.base.parameters import ParameterSet, quantity
 
+_OF_61, _OF_PAC2002 = ("LKYC", "LKZC", "LMP"), ("LGAX", "LGAZ", "LKYG")
+UNREAD = {"5.2": _OF_61, "pac2002": _OF_61, "6.1": _OF_PAC2002, "6.2": _OF_PAC2002}
+"""Factors that the formulas of a version do not have."""
+
 
 class ScalingFactors(ParameterSet):
-    """Factors by their names in tyre property files; those left out are the file's."""
+    """Factors by their names in tyre property files; those left out are the file's.
+
+    LGYR and LCZ are none: gyroscopic torques are those of the wheel's body, and its vertical
+    stiffness is given beside the tyre.
+    """
 
     LFZO: float | None = quantity("1", "Scale factor of nominal (rated) load", default=None, gt=0)
     LCX: float | None = quantity("1", "Scale factor of Fx shape factor", default=None, gt=0)
@@ -42,10 +50,8 @@ class ScalingFactors(ParameterSet):
     LGAZ: float | None = quantity("1", "Scale factor of camber for Mz", default=None)
     LSGKP: float | None = quantity("1", "Scale factor of Relaxation length of Fx", default=None)
     LSGAL: float | None = quantity("1", "Scale factor of Relaxation length of Fy", default=None)
-    LGYR: float | None = quantity("1", "Scale factor of gyroscopic torque", default=None)
     LMUV: float | None = quantity("1", "Decay of friction with sliding speed", default=None)
     LKYG: float | None = quantity("1", "Scale factor of camber in shifts (PAC2002)", default=None)
-    LCZ: float | None = quantity("1", "Scale factor of vertical stiffness", default=None)
 
     def given(self) -> dict[str, float]:
         """Return the factors that are given, by name."""
