@@ -530,6 +530,13 @@ def test_the_convention_of_mf_eval():
         assert [float(x) for x in found] == pytest.approx(wanted, abs=1e-4)
 
 
+def test_friction_that_decays_with_sliding_speed_acts_in_the_moment_too():
+    """λ*_μy in (4.E40), (4.E45) and (4.E47), by an independent program."""
+    law = find("tyre", "file")(**MF61, scaling={"LMUV": 0.15, "LMUX": 0.9, "LMUY": 1.1})
+    found = vector(law, 4e3, -0.05, 0.08, 0.03, 40.0)
+    assert found == pytest.approx([-1990.234862, -3439.196327, 8.059504], abs=1e-5)
+
+
 def test_turn_slip_by_an_independent_program():
     law = tyre("file")
     for felt, across, moment in TURNED:

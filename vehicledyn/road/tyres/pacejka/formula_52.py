@@ -174,7 +174,8 @@ def _aligning(
     at = slip.angle + p.QHZ1 + p.QHZ2 * df + (p.QHZ3 + p.QHZ4 * df) * camber
     ar = slip.angle + across.horizontal_shift + across.vertical_shift / across.stiffness
     te, re = (_equivalent(angle, ratio) for angle in (at, ar))
-    B = (p.QBZ1 + p.QBZ2 * df + p.QBZ3 * df * df) * p.LKY / p.LMUY
+    scale = sliding_friction(p, s, p.LMUY)
+    B = (p.QBZ1 + p.QBZ2 * df + p.QBZ3 * df * df) * p.LKY / scale
     B *= 1.0 + p.QBZ4 * camber + p.QBZ5 * ops.absolute(camber)
     lean = (p.QEZ4 + p.QEZ5 * camber) * (2.0 / math.pi) * ops.atan(B * p.QCZ1 * at)
     E = at_most_one((p.QEZ1 + p.QEZ2 * df + p.QEZ3 * df * df) * (1.0 + lean))
@@ -182,10 +183,10 @@ def _aligning(
     D *= (1.0 + p.QDZ3 * camber + p.QDZ4 * camber * camber) * p.LTR
     D *= p.UNLOADED_RADIUS / s.nominal
     trail = D * weight(B, p.QCZ1, E, te)
-    Br = p.QBZ9 * p.LKY / p.LMUY + p.QBZ10 * across.steepness
+    Br = p.QBZ9 * p.LKY / scale + p.QBZ10 * across.steepness
     Dr = (p.QDZ6 + p.QDZ7 * df) * p.LRES
     Dr += (p.QDZ8 + p.QDZ9 * df) * (1.0 + p.QPZ2 * s.pressure_change) * camber
-    residual = s.load * p.UNLOADED_RADIUS * p.LMUY * Dr * ops.cos(ops.atan(Br * re))
+    residual = s.load * p.UNLOADED_RADIUS * scale * Dr * ops.cos(ops.atan(Br * re))
     return (residual - trail * free) * ops.cos(limited(slip.angle, 0.5 * math.pi))
 
 

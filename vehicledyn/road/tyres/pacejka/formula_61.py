@@ -255,7 +255,8 @@ def _aligning(
     ratio = along.stiffness / across.stiffness * s.slip
     te, re = (_equivalent(angle, ratio, rules) for angle in (at, ar))
     cosine = ops.cos(s.angle)
-    B = (p.QBZ1 + p.QBZ2 * df + p.QBZ3 * df * df) * p.LKY / p.LMUY
+    scale = sliding_friction(p, s, p.LMUY)
+    B = (p.QBZ1 + p.QBZ2 * df + p.QBZ3 * df * df) * p.LKY / scale
     B *= 1.0 + p.QBZ4 * g + p.QBZ5 * size + p.QBZ6 * g * g
     lean = (p.QEZ4 + p.QEZ5 * g) * (2.0 / math.pi) * ops.atan(B * p.QCZ1 * at)
     E = at_most_one((p.QEZ1 + p.QEZ2 * df + p.QEZ3 * df * df) * (1.0 + lean))
@@ -267,7 +268,7 @@ def _aligning(
         * turn.z5
     )
     trail = D * weight(B, p.QCZ1, E, te)
-    Br = (p.QBZ9 * p.LKY / p.LMUY + p.QBZ10 * source.steepness) * turn.z6
+    Br = (p.QBZ9 * p.LKY / scale + p.QBZ10 * source.steepness) * turn.z6
     Dr = (p.QDZ6 + p.QDZ7 * df) * p.LRES * turn.z2
     Dr += (
         ((p.QDZ8 + p.QDZ9 * df) * (1.0 + p.PPZ2 * dp) + (p.QDZ10 + p.QDZ11 * df) * size)
@@ -275,7 +276,7 @@ def _aligning(
         * p.LKZC
         * turn.z0
     )
-    Dr = s.load * p.UNLOADED_RADIUS * p.LMUY * Dr
+    Dr = s.load * p.UNLOADED_RADIUS * scale * Dr
     Dr = Dr * cosine if rules.residual_cosine_twice else Dr
     residual = (Dr + turn.z8) * ops.cos(turn.z7 * ops.atan(Br * re))
     return (residual - trail * free) * cosine
