@@ -28,7 +28,7 @@ from vehicledyn.integrate.channel_ranges import watched_channels
 from vehicledyn.integrate.fixed_step import steps_per_interval
 from vehicledyn.integrate.judged_quantities import Judged
 from vehicledyn.integrate.lane_march import march
-from vehicledyn.integrate.lane_run import FixedLaneRun, LaneRun, Stopped
+from vehicledyn.integrate.lane_run import FixedLaneRun, LaneRun, Stopped, takes_lanes
 from vehicledyn.integrate.newmark.lane_run import LaneMethod, NewmarkLaneRun
 from vehicledyn.integrate.simulate import Solver, simulate
 from vehicledyn.integrate.single_case import Judging, Runner, SingleCase
@@ -232,12 +232,11 @@ Part: TypeAlias = float | tuple[CaseEnd, ...]
 
 
 def _runs_in_lanes(batch: Batch, solver: Any) -> bool:
-    if batch.engine is None or hasattr(solver, "fixed_method"):
-        return batch.engine is not None
-    if getattr(solver, "monitored_method", None) is None or solver.constraints != "reduced":
+    if batch.engine is None or not takes_lanes(solver):
         return False
     try:
-        newmark_lanes(batch.lanes)
+        if not hasattr(solver, "fixed_method"):
+            newmark_lanes(batch.lanes)
     except CompilationError as error:
         _log.warning("%s; cases run one after the other", error)
         return False

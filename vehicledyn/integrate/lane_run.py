@@ -2,15 +2,43 @@
 
 from __future__ import annotations
 
+import logging
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.kernel.engine import Count, Figure, Ledger, Status, Vector
 from vehicledyn.kernel.lanes import Fate, LaneEngine
+
+_log = logging.getLogger(__name__)
+
+
+def takes_lanes(solver: Any) -> bool:
+    """Return whether cases of a method run side by side: with steps of one size.
+
+    Implicit ones do where the rates close the loops.
+    """
+    if hasattr(solver, "fixed_method"):
+        return True
+    has_one_size = getattr(solver, "monitored_method", None) is not None
+    return has_one_size and solver.constraints == "reduced"
+
+
+def suited_lanes(solver: Any, lanes: int | None) -> int | None:
+    """Return how many lanes to make for a method: one where its cases run one after the other.
+
+    That is told where ``lanes`` asks for more; None leaves their number to the processor.
+    """
+    if takes_lanes(solver):
+        return lanes
+    if lanes is not None and lanes > 1:
+        _log.warning(
+            "'%s' with these settings has no lanes; cases run one after the other", solver.kind
+        )
+    return 1
 
 
 @dataclass(frozen=True)

@@ -30,6 +30,7 @@ from vehicledyn.files.scenario.load import LoadedScenario
 from vehicledyn.integrate.batch import Batch, make_batch
 from vehicledyn.integrate.channel_ranges import watched_channels
 from vehicledyn.integrate.judged_quantities import Judged
+from vehicledyn.integrate.lane_run import suited_lanes
 from vehicledyn.integrate.simulate import Solver
 from vehicledyn.integrate.task import Statistics
 from vehicledyn.kernel.kernel import Kernel
@@ -237,7 +238,7 @@ def make_model(
         recipe,
         loaded,
         prepared,
-        make_batch(prepared.kernel, lanes=lanes, progress=progress),
+        make_batch(prepared.kernel, lanes=suited_lanes(solver, lanes), progress=progress),
         chosen_channels(names, patterns),
         [names.index(name) for name in needed],
         figures,

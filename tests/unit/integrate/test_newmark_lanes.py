@@ -18,6 +18,7 @@ from vehicledyn.base.registry import find
 from vehicledyn.codegen.toolchain.compiler import CompilationError
 from vehicledyn.integrate import batch as batches
 from vehicledyn.integrate.batch import Cases, make_batch, run_batch
+from vehicledyn.integrate.lane_run import suited_lanes
 from vehicledyn.integrate.simulate import simulate
 from vehicledyn.integrate.single_case import SingleCase
 from vehicledyn.kernel.make_kernel import compile_kernel
@@ -197,3 +198,21 @@ def test_lanes_are_judged_by_half_the_step_where_windows_do_not_suffice(lanes, l
     assert by_themselves == list(range(lanes))
     assert {end.accuracy.verdict for end in coarse.ends} == {"inaccurate"}
     assert coarse.ends == alone.ends
+
+
+@pytest.mark.parametrize(
+    ("kind", "settings", "lanes"),
+    [
+        ("hht", {"step": 1e-2}, 8),
+        ("hht", {"step": 1e-2, "tolerance": 1e-5}, 1),
+        ("newmark", {"step": 1e-2, "constraints": "index3"}, 1),
+        ("dop853", {"relative_tolerance": 1e-6, "absolute_tolerance": 1e-6}, 1),
+    ],
+)
+def test_no_lanes_are_made_for_methods_that_take_none(kind, settings, lanes, caplog):
+    """Their code would be compiled for nothing; who asks for them is told."""
+    solver = find("solver", kind)(**settings)
+    assert suited_lanes(solver, None) == (None if lanes > 1 else 1)
+    assert not caplog.messages
+    assert suited_lanes(solver, 8) == lanes
+    assert bool(caplog.messages) == (lanes == 1)
