@@ -1,5 +1,6 @@
 """USE_MODE of tyre property files: which forces act, and what else a file asks for."""
 
+import math
 from dataclasses import astuple
 from importlib import resources
 
@@ -75,6 +76,21 @@ def test_unknown_names_and_pressures_outside_the_range_are_told(tmp_path):
     (told,) = asked(TyreOfFile(file=MF61, pressure="1 bar"))
     assert "the pressure of 100 kPa is outside the file's 200 to 400 kPa" in told
     assert not list(asked(TyreOfFile(file=MF61, pressure="2.2 bar")))
+
+
+def test_the_rolling_radius_of_the_file(tmp_path):
+    """MF 6.1: R_e = R_0 - ρ_0 (D atan(B F_z/F_z0) + F F_z/F_z0) at 6 kN; 0.3943 m, 315 kN/m."""
+    law = TyreOfFile(file=MF61, rolling="file")
+    nominal, pressed = 6752 / 314931.2969, 6000 / 6752
+    loaded = 0.3943 - nominal * pressed
+    wanted = 0.3943 - nominal * (0.23778 * math.atan(6.217 * pressed) + 0.080544 * pressed)
+    assert law.rolling_radius(0.3943, loaded, 0.0) == pytest.approx(wanted, rel=1e-12)
+    assert law.rolling_radius(0.3943, 0.4, 0.0) == 0.3943  # in the air
+    assert TyreOfFile(file=MF61).rolling_radius(0.3943, loaded, 0.0) == loaded
+    text = (resources.files("vehicledyn.library.tyres") / MF61).read_text()
+    (tmp_path / "c.tir").write_text(text.replace("BREFF =", "BREFF = 0 $"))
+    (problem,) = TyreOfFile(file="c.tir", rolling="file").problems_beside(tmp_path)
+    assert "rolling: the file has no rolling radius" in problem
 
 
 SEDAN = {"file": "passenger_245_40R18_pac2002.tir"}

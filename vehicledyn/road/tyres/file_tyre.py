@@ -20,9 +20,15 @@ from vehicledyn.road.tyres.pacejka.relaxation_lengths import (
     has_coefficients,
     has_stiffness,
 )
+from vehicledyn.road.tyres.pacejka.rolling_radii import (
+    NEEDED,
+    has_rolling_radius,
+    rolling_radius_of_file,
+)
 from vehicledyn.road.tyres.pacejka.turn_slip import USED
 from vehicledyn.road.tyres.scaling_factors import UNREAD, ScalingFactors
 from vehicledyn.road.tyres.tyre import RelaxationLengths, Tyre, TyreForces, TyreInput
+from vehicledyn.symbolic.ops import Scalar
 
 _OTHER = {"left": "right", "right": "left"}
 _NO_FORCES = TyreForces(0.0, 0.0, 0.0)
@@ -63,6 +69,12 @@ class FileTyre(Tyre):
         default=None,
         description="Whether turn slip acts, the curvature of the wheel's path, by the file's "
         "coefficients; camber then acts as a spin, too; without it USE_MODE decides",
+    )
+
+    rolling: Literal["loaded", "file"] | None = Field(
+        default=None,
+        description="Radius at which the wheel rolls: the loaded one, or by BREFF, DREFF and FREFF "
+        "of the file; without it that of the convention, mostly the loaded one",
     )
 
     knows_turn_slip: ClassVar[bool] = False
@@ -143,6 +155,24 @@ class FileTyre(Tyre):
             f"{self.path}: no relaxation lengths: the file has neither PTX1, PTY1 and PTY2 nor "
             "LONGITUDINAL_STIFFNESS and LATERAL_STIFFNESS"
         )
+
+    def rolling_radius(self, radius: Scalar, loaded_radius: Scalar, camber: Scalar) -> Scalar:
+        """Return the loaded radius, or where ``rolling`` says so that of the file [m].
+
+        Raises
+        ------
+        InputError
+            If the file has none.
+        """
+        if self.rolling != "file":
+            return super().rolling_radius(radius, loaded_radius, camber)
+        p = self.coefficients()
+        if not has_rolling_radius(p):
+            raise InputError(
+                f"{self.path}: rolling: the file has no rolling radius: it needs "
+                f"{', '.join(NEEDED)} above zero; leave 'rolling' out"
+            )
+        return rolling_radius_of_file(p, radius, loaded_radius)
 
     def carcass_stiffness(self) -> tuple[float | None, float | None]:
         """Return LONGITUDINAL_STIFFNESS and LATERAL_STIFFNESS of the file [N/m]."""
@@ -256,6 +286,7 @@ class FileTyre(Tyre):
             placed = self.placed(folder)
             placed.steady_forces(placed.coefficients(), TyreInput(1.0, 0.0, 0.0, 0.0))
             _ = placed.feels_turn_slip
+            placed.rolling_radius(0.3, 0.29, 0.0)
         except InputError as error:
             lines = str(error).splitlines()
             return lines[:-1] if len(lines) > 1 else lines

@@ -76,13 +76,13 @@ class Pac2002(FileTyre):
         return super().relaxation_lengths(contact)
 
     def rolling_radius(self, radius: Scalar, loaded_radius: Scalar, camber: Scalar) -> Scalar:
-        """Return the loaded radius r; by Chrono (2 R + r)/(3 cos γ) [m].
+        """Return the loaded radius r; by Chrono, unless chosen, (2 R + r)/(3 cos γ) [m].
 
         Its contact frame, which is not of unit size where wheels lean, brings in the cosine; runs
         of its sedan and HMMWV agree to 1e-7 m.
         """
         loaded = super().rolling_radius(radius, loaded_radius, camber)
-        if self.convention not in OF_CHRONO:
+        if self.convention not in OF_CHRONO or self.rolling is not None:
             return loaded
         return (2.0 * radius + loaded) / (3.0 * ops.cos(camber))
 
