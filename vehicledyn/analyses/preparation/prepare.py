@@ -194,7 +194,16 @@ def equilibrium_point(
     state = subject.still_state(e) if kind == "static" else moving
     start = _closed(prepared, state, balanced_speed)
     refuse_idle_start(prepared, subject.balance_time, start.state, start.unknowns)
-    found, remark = _balanced(prepared, start, balanced_speed, slopes or prepared.slopes)
+    slopes = slopes or prepared.slopes
+    try:
+        found, remark = _balanced(prepared, start, balanced_speed, slopes)
+    except NumericalError as error:
+        if kind == "static" or subject.usual_start != "steady":
+            raise
+        try:
+            found, remark = _from_rest(prepared, speed, slopes)
+        except NumericalError:
+            raise error from None
     free, _ = subject.balance_pairs(e, balanced_speed)
     final = found.state.copy()
     if kind == "static":
@@ -202,6 +211,15 @@ def equilibrium_point(
         final[velocities] = moving[velocities]
         set_speed(prepared, speed)
     return _moving(prepared, Point(final, found.unknowns, found.residual, remark))
+
+
+def _from_rest(prepared: Prepared, speed: float, slopes: Slopes) -> tuple[EquilibriumPoint, str]:
+    """Return the equilibrium at a speed [m/s] from that at rest: the start was too far from both.
+
+    Wheels far too deep in the ground carry loads for which tyres have no sensible forces.
+    """
+    resting = equilibrium_point(prepared, speed, "static", slopes=slopes)
+    return _balanced(prepared, resting, speed, slopes)
 
 
 def _balanced(
