@@ -11,13 +11,16 @@ from vehicledyn.base.files.whole_file import whole_file
 from vehicledyn.files.scenario.target import Target
 
 
-def only_model(targets: Iterable[Target], path: str | Path) -> Target:
+def only_model(targets: Iterable[Target], path: str | Path, values: Mapping[str, object]) -> Target:
     """Return the scenario of the model that a search changes, before the search begins.
+
+    ``values`` are any that the parameters sought may have, by name, as texts with units.
 
     Raises
     ------
     InputError
-        If the scenarios have different models, or the file to write exists.
+        If the scenarios have different models, the file to write exists, or cannot hold a
+        parameter, such as that of the tyre of one wheel.
     """
     found = list(targets)
     names = sorted({target.model_name for target in found})
@@ -28,6 +31,17 @@ def only_model(targets: Iterable[Target], path: str | Path) -> Target:
         )
     if Path(path).exists():
         raise InputError(f"{given('system_file', str(path))}: exists; choose another path")
+    for name, value in values.items():
+        if name.startswith("start."):
+            continue
+        key = f"parameters.{name.removeprefix('parameters.')}"
+        try:
+            found[0].with_overrides([f"{key}={value}"])
+        except InputError as error:
+            raise InputError(
+                f"{argument('system_file')}: a system file cannot hold '{name}': "
+                f"{str(error).splitlines()[0]}; seek another parameter, or write no file"
+            ) from None
     return found[0]
 
 

@@ -122,7 +122,8 @@ def identify_study(
     model = None
     if system_file is not None:
         found = load_identification(Path(study), override_texts(set, settings))
-        model = only_model([item.loaded for item in found.experiments], system_file)
+        ends = {name: item["from"] for name, item in found.parameters.items() if "from" in item}
+        model = only_model([item.loaded for item in found.experiments], system_file, ends)
     with result_place(save_to, may_exist=overwrite, resume=resume) as place:
         report = run_identification_study(
             Path(study),

@@ -61,7 +61,10 @@ def optimise(
     from vehicledyn.studies.optimisation.run import run_optimisation
 
     loaded = load_optimisation(locate(str(study), ("study",)), override_texts(set, settings))
-    model = None if system_file is None else only_model(loaded.scenarios.values(), system_file)
+    model = None
+    if system_file is not None:
+        ends = {item.name: item.low for item in loaded.variables}
+        model = only_model(loaded.scenarios.values(), system_file, ends)
     with result_place(save_to, may_exist=overwrite, resume=resume) as place:
         report = run_optimisation(loaded, kept=place.kept, progress=reporter(progress))
         write_optimum(place.path, report.table)

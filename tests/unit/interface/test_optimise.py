@@ -191,6 +191,21 @@ def test_the_system_found_is_written_as_a_file(tmp_path):
         vd.optimise(path, system_file=tmp_path / "best.yaml")
 
 
+def test_what_a_system_file_cannot_hold_is_refused_before_the_search(tmp_path):
+    """Such as the friction of the tyre of one wheel, which files give all wheels."""
+    path = tmp_path / "study.yaml"
+    path.write_text(
+        "scenarios: run.yaml\nvariables: {front_left.tyre.friction: {from: 0.5, to: 1}}\n"
+        "minimise: max(body.roll)\n",
+        encoding="utf-8",
+    )
+    (tmp_path / "run.yaml").write_text(
+        SCENARIO.replace("model: quarter_car", "model: small_car\nspeed: 10 m/s"), encoding="utf-8"
+    )
+    with pytest.raises(InputError, match=r"cannot hold 'front_left\.tyre\.friction'"):
+        vd.optimise(path, system_file=tmp_path / "best.yaml")
+
+
 FUNCTIONS = """\
 title: Functions of parameters
 parameters: {x: 0.9, y: 0.5, share: 0, well: 1}
