@@ -29,13 +29,20 @@ manoeuvre: {{kind: straight}}
 @pytest.mark.long
 def test_a_car_on_linear_tyres_follows_the_single_track_model(tmp_path):
     """K = F0/g (1/C_front - 1/C_rear): each axle's slip by its own stiffness, at small angles."""
-    of = "steady(understeer_angle, constant_speed, 0.1 m/s^2, speed=25 m/s)"
+    of = [
+        "steady(understeer_angle, constant_speed, 0.1 m/s^2, speed=25 m/s)",
+        "steady(understeer_gradient, constant_speed, speed=25 m/s)",
+    ]
     (tmp_path / "linear.yaml").write_text(LINEAR)
     found = vd.sensitivity(tmp_path / "linear.yaml", of, "tyres.*.cornering_stiffness")
-    slopes = dict(zip(found["parameter"].values, found["figure_slope"].values[0], strict=True))
+    names = list(found["parameter"].values)
     for end, sign, stiffness in (("front", -1.0, FRONT), ("rear", 1.0, REAR)):
-        exact = 0.1 * sign * LOAD / GRAVITY / stiffness**2
-        assert slopes[f"tyres.{end}.cornering_stiffness"] == pytest.approx(exact, rel=0.01)
+        exact = sign * LOAD / GRAVITY / stiffness**2
+        angle, gradient = found["figure_slope"].values[
+            :, names.index(f"tyres.{end}.cornering_stiffness")
+        ]
+        assert angle / 0.1 == pytest.approx(exact, rel=0.01)
+        assert gradient == pytest.approx(exact, rel=0.05)
 
 
 @pytest.mark.parametrize(

@@ -59,7 +59,8 @@ WALKS = {
     "steady": (
         "small_car",
         [
-            "steady(understeer_gradient, constant_radius)",
+            "steady(understeer_angle, constant_radius, 3 m/s^2)",
+            "steady(smallest_wheel_load, constant_radius, 3 m/s^2)",
         ],
         {},
     ),
