@@ -45,7 +45,8 @@ def uncertainty(
     scenario
         Path or name of a scenario or model, a System, or what :func:`vehicledyn.load` returned.
     of
-        Key figures of the run, or figures of channels such as ``max(chassis.roll)``.
+        Key figures of the run, or figures of channels such as ``max(chassis.roll)``; or figures of
+        one other analysis of :func:`vehicledyn.sensitivity`, such as ``rig(...)``.
     parameters
         Distributions by parameter, such as ``{"kind": "normal", "mean": "1 m", "deviation":
         "1 cm"}``; "uniform" has "from" and "to", "triangular" also "mode".

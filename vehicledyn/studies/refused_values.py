@@ -56,7 +56,7 @@ def _refusal(
     loaded: LoadedScenario, values: Mapping[str, float], about: Mapping[str, Quantity]
 ) -> str | None:
     """Return why a scenario refuses values of parameters, None if it takes them."""
-    texts = [f"parameters.{name}={_text(v, about[name].unit)}" for name, v in values.items()]
+    texts = [f"parameters.{name}={written(v, about[name].unit)}" for name, v in values.items()]
     try:
         loaded.with_overrides(texts)
     except InputError as error:
@@ -64,5 +64,6 @@ def _refusal(
     return None
 
 
-def _text(value: float, unit: str) -> str:
+def written(value: float, unit: str) -> str:
+    """Return a value in SI as files write it."""
     return repr(value) if unit in ("1", "") else f"{value!r} {unit}"

@@ -160,3 +160,22 @@ def test_second_derivatives_move_the_mean(functions):
     assert found.found.mean[0] == pytest.approx(3.1, rel=1e-9)
     assert found.found.deviation[0] ** 2 == pytest.approx(1.02, rel=1e-9)
     assert found.totals[0] == pytest.approx([1.0 / 1.02, 0.02 / 1.02], rel=1e-8)
+
+
+def test_tolerances_of_hardpoints_scatter_the_bump_steer():
+    """Figures of the rig: the deviation of toe by travel is that of the exact derivatives."""
+    figure, heights = "rig(wheel.toe_gain, parallel)", ["track_rod.inner.z", "track_rod.outer.z"]
+    laws = {
+        name: {"kind": "normal", "mean": mean, "deviation": "0.5 mm"}
+        for name, mean in zip(heights, ("250 mm", "275 mm"), strict=True)
+    }
+    found = vd.uncertainty("scenarios/systems/double_wishbone_suspension.yaml", figure, laws).found
+    slopes = vd.sensitivity("double_wishbone_suspension", figure, heights)["figure_slope"].values[0]
+    assert found.deviation == pytest.approx([5e-4 * np.hypot(*slopes)], rel=1e-9)
+
+
+def test_figures_of_one_analysis_are_asked_for():
+    law = {"track_rod.inner.z": {"kind": "normal", "mean": "250 mm", "deviation": "1 mm"}}
+    both = ["rig(wheel.toe_gain, parallel)", "max(wheel.toe_angle)"]
+    with pytest.raises(InputError, match="figures of one analysis"):
+        vd.uncertainty("scenarios/systems/double_wishbone_suspension.yaml", both, law)

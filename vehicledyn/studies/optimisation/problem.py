@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
@@ -18,11 +18,45 @@ from vehicledyn.base.errors import InputError, NumericalError, nearest_name
 from vehicledyn.base.step_memory import Memory
 from vehicledyn.base.units import to_si
 from vehicledyn.studies.optimisation.file import Limit, OptimisationStudy, Variable
-from vehicledyn.studies.optimisation.parts import parts_of
 from vehicledyn.studies.optimisation.scatter import Scatter, combined
 from vehicledyn.studies.refused_values import refuse_ends
+from vehicledyn.studies.scenario_figures import ScenarioFigures, figures_of
 
 Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class _Part:
+    """Figures of a scenario, with what their names begin with in the study."""
+
+    of: ScenarioFigures
+    head: str
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the figures in the study."""
+        return [f"{self.head}{name}" for name in self.of.units]
+
+    def at(
+        self, changes: Mapping[str, float], variables: Sequence[str], *, follows: bool
+    ) -> dict[str, Any]:
+        """Return figures and gradients by variables, zero if not wanted, or why there are none."""
+        try:
+            found, failure = self.of.at(changes, variables, follows=follows, progress=_silent)
+        except NumericalError as error:
+            failure = str(error)
+        if failure:
+            return {"failure": f"{self.of.title}: {failure}"}
+        pairs = list(zip(self.names, found, strict=True))
+        for name, (slope, _) in pairs:
+            if slope.trouble and follows:
+                return {"failure": f"'{name}' has no derivative: {slope.trouble}"}
+        nothing = [0.0] * len(variables)
+        return {
+            "values": {n: slope.value for n, (slope, _) in pairs},
+            "slopes": {n: slope.slope.tolist() if follows else nothing for n, (slope, _) in pairs},
+            "units": {n: quantity.unit for n, (_, quantity) in pairs},
+        }
 
 
 @dataclass(frozen=True)
@@ -70,15 +104,16 @@ class Problem:
     ) -> None:
         self._study, self._kept = study, kept
         self._mark = [choice] if choice else []
-        self._parts = parts_of(study, progress)
+        self._parts = _parts(study, progress)
         self.figures = [name for part in self._parts for name in part.names]
         for part in self._parts:
+            own = part.of
             for name in (*(v.name for v in study.variables), *study.scatter):
-                _check_variable(name.removeprefix("parameters."), list(part.parameters), part.model)
-        first = self._parts[0].parameters
+                _check_variable(name.removeprefix("parameters."), list(own.parameters), own.model)
+        first = self._parts[0].of.parameters
         units = {name: quantity.unit for name, (quantity, _) in first.items()}
         try:
-            self._scatter = Scatter.of(study.scatter, units, self._parts[0].model)
+            self._scatter = Scatter.of(study.scatter, units, self._parts[0].of.model)
         except InputError as error:
             raise InputError(f"{study.path}: {error}") from None
         self.variables = tuple(first[v.name][0] for v in study.variables)
@@ -239,7 +274,7 @@ class Problem:
     def unconfirmed(self) -> list[str]:
         """Return warnings of derivatives at the start that differences of runs do not confirm."""
         point = {v.name: float(x) for v, x in zip(self.variables, self.start, strict=True)}
-        return [note for part in self._parts for note in part.unconfirmed(point)]
+        return [note for part in self._parts for note in part.of.unconfirmed(point)]
 
     def starts(self, number: int, seed: int) -> list[Floats]:
         """Return points to search from: the one given, and others of a scrambled Sobol sequence."""
@@ -277,6 +312,29 @@ class Problem:
             slopes |= entry["slopes"]
             units |= entry["units"]
         return combined(self._scatter, runs) | {"units": units}
+
+
+def _parts(study: OptimisationStudy, progress: Progress) -> list[_Part]:
+    """Return the figures of a study, scenario by scenario and analysis by analysis.
+
+    Raises
+    ------
+    InputError
+        If a name means nothing.
+    """
+    parts: list[_Part] = []
+    for scenario, names in study.figures_by_scenario().items():
+        loaded, head = study.scenarios[scenario], f"{scenario}/" if scenario else ""
+        progress(f"preparing {loaded.title}", None)
+        try:
+            parts += [_Part(own, head) for own in figures_of(loaded, names, progress)]
+        except InputError as error:
+            raise InputError(f"{study.path}: {error}") from None
+    return parts
+
+
+def _silent(text: str, fraction: float | None = None) -> None:
+    """Report nothing."""
 
 
 def _check_variable(name: str, known: Sequence[str], model: str) -> None:

@@ -10,13 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.analyse.gradients.key_figures import unit_of
 from vehicledyn.analyse.uncertainty import Distribution, Spread
 from vehicledyn.analyses.preparation.prepared import Progress
-from vehicledyn.analyses.sensitivity.driving_failures import driving_failure
-from vehicledyn.analyses.sensitivity.figure_names import check_figures
-from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
-from vehicledyn.analyses.sensitivity.names import Wanted, directions, named_channels, wanted
 from vehicledyn.base.errors import InputError, NumericalError, nearest_name
 from vehicledyn.base.step_memory import Memory, Shelf
 from vehicledyn.base.units import to_si
@@ -24,6 +19,7 @@ from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.studies.distributions import read_law, wrong
 from vehicledyn.studies.refused_values import refuse_ends
+from vehicledyn.studies.scenario_figures import ScenarioFigures, figures_of
 from vehicledyn.studies.uncertainty.report import Risk, UncertaintyReport
 
 Floats = NDArray[np.float64]
@@ -50,8 +46,7 @@ class Limited:
 class Cases:
     """A scenario at many values of its uncertain parameters."""
 
-    study: MotionStudy
-    asked: Wanted
+    of_scenario: ScenarioFigures
     names: list[str]
     laws: list[Distribution]
     progress: Progress
@@ -71,11 +66,10 @@ class Cases:
         progress: Progress,
     ) -> Cases:
         """Prepare a scenario and read the distributions."""
-        check_figures(loaded, of, progress)
-        study = MotionStudy.of(loaded, named_channels(of), progress)
-        e = study.prepared.equations
-        asked = wanted(e, of, [name for name in of if "(" not in name])
-        units = {p.name: p.unit for p in e.parameters}
+        found = figures_of(loaded, of, progress)
+        if len(found) != 1:
+            raise InputError("name figures of one analysis, of the run or another one")
+        units = {name: about.unit for name, (about, _) in found[0].parameters.items()}
         names = [name.removeprefix("parameters.") for name in parameters]
         if not names:
             raise InputError("parameters: name at least one with its distribution")
@@ -83,32 +77,27 @@ class Cases:
             if name not in units or name == "speed":
                 guess = nearest_name(name, units)
                 hint = f"; did you mean '{guess}'?" if guess else ""
-                raise InputError(f"'{name}' is no parameter of '{e.name}' that can scatter{hint}")
+                raise InputError(
+                    f"'{name}' is no parameter of '{found[0].model}' that can scatter{hint}"
+                )
         pairs = zip(names, parameters.values(), strict=True)
         laws = [read_law("parameters", name, given, units[name]) for name, given in pairs]
-        values = dict(
-            zip([p.name for p in e.parameters], study.prepared.kernel.parameters, strict=True)
-        )
+        known = found[0].parameters
         refuse_ends(
             [loaded],
             {
                 name: (float(law.law.ppf(_RARE)), float(law.law.ppf(1.0 - _RARE)))
                 for name, law in zip(names, laws, strict=True)
             },
-            {name: float(values[name]) for name in names},
-            {p.name: Quantity(p.name, p.unit, p.description) for p in e.parameters},
+            {name: known[name][1] for name in names},
+            {name: about for name, (about, _) in known.items()},
             place="parameters.",
         )
-        return Cases(study, asked, names, laws, progress)
+        return Cases(found[0], names, laws, progress)
 
     def check_limits(self, method: str, limits: Mapping[str, Mapping[str, Any]]) -> None:
         """Raise InputError for limits that mean nothing, before anything is computed."""
-        channels = {
-            channel.name: channel.unit for channel in self.study.prepared.equations.channels
-        }
-        units: dict[str, str | None] = dict.fromkeys(self.asked.others)
-        for kind, channel in self.asked.figures:
-            units[f"{kind}({channel})"] = unit_of(kind, channels[channel])
+        units = self.of_scenario.units
         for name, given in limits.items():
             if name not in units:
                 raise wrong(f"limits.{name}", "this is not among the figures asked for")
@@ -131,8 +120,12 @@ class Cases:
     @property
     def about(self) -> dict[str, Quantity]:
         """Parameters of the model by name."""
-        e = self.study.prepared.equations
-        return {p.name: Quantity(p.name, p.unit, p.description) for p in e.parameters}
+        return {name: about for name, (about, _) in self.of_scenario.parameters.items()}
+
+    @property
+    def notes(self) -> list[str]:
+        """What is to be said of the figures."""
+        return self.of_scenario.notes
 
     def limited(self) -> Iterator[Limited]:
         """Yield the limits, once the figures are known."""
@@ -203,16 +196,11 @@ class Cases:
         changes = dict(zip(self.names, map(float, point), strict=True))
         values = ", ".join(f"{name} = {value:.6g}" for name, value in changes.items())
         try:
-            study = self.study.moved(changes)
-            if follows:
-                e, kernel = study.prepared.equations, study.prepared.kernel
-                chosen = directions(e, kernel.parameters, study.start.state, self.names)
-                motion = study.followed(chosen, self.progress)
-            else:
-                motion = study.plain(self.progress)
+            pairs, lost = self.of_scenario.at(
+                changes, self.names, follows=follows, progress=self.progress
+            )
         except NumericalError as error:
             return {"failure": f"the run with {values} failed: {error}"}
-        pairs, lost = study.figures(self.asked, motion), driving_failure(study, motion)
         for slope, item in pairs:
             if follows and slope.trouble:
                 return {"failure": f"'{item.name}' has no derivative: {slope.trouble}"}
@@ -248,7 +236,7 @@ class Cases:
         """Return the report; ``figures`` (n_runs, m) are those of its samples."""
         about = self.about
         return UncertaintyReport(
-            self.study.loaded.title,
+            self.of_scenario.title,
             method,
             tuple(about[name] for name in self.names),
             self.quantities,
@@ -257,7 +245,7 @@ class Cases:
             totals,
             len(self.asked_for),
             list(risks),
-            (*self.study.notes, *self._driving_failures()),
+            (*self.notes, *self._driving_failures()),
             None if figures is None else np.array(self.points),
             figures,
         )

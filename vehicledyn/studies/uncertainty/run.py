@@ -104,7 +104,7 @@ def _by_curvatures(cases: Cases, *_: int) -> UncertaintyReport:
         cases.quantities, uneven, np.abs(curvatures).max(axis=(1, 2)), strict=True
     ):
         if missed > _UNEVEN * size:
-            cases.study.notes.append(
+            cases.notes.append(
                 f"warning: the second derivatives of {item.name} are not symmetric by "
                 f"{missed / size:.1%}: it is not smooth enough for them; take samples"
             )
@@ -130,10 +130,10 @@ def _by_samples(method: str) -> Callable[[Cases, int, int], UncertaintyReport]:
         if method != "polynomial_chaos":
             return cases.report(method, spread(figures), figures=figures, risks=risks)
         chaos = fit_chaos(cases.laws, drawn, figures)
-        cases.study.notes.append(f"{len(chaos.powers)} polynomials up to degree {chaos.degree}")
+        cases.notes.append(f"{len(chaos.powers)} polynomials up to degree {chaos.degree}")
         for item, missed in zip(cases.quantities, chaos.missed, strict=True):
             warning = "warning: " if missed > _MISSED else ""
-            cases.study.notes.append(
+            cases.notes.append(
                 f"{warning}of runs left out the polynomials miss {missed:.2g} of the variance of "
                 f"{item.name}"
             )
@@ -169,7 +169,7 @@ def _by_nearest(cases: Cases, number: int, seed: int) -> UncertaintyReport:
         name = cases.quantities[k].name
         words = _words(cases, limit)
         risks.append((name, words, chance.chance, low, high))
-        cases.study.notes += _nearest(cases, f"{name} {words}", chance)
+        cases.notes.extend(_nearest(cases, f"{name} {words}", chance))
     return cases.report("reliability", found, shares=shares, risks=risks)
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.analyses.preparation.target_digest import digests_to_keep
 from vehicledyn.analyses.sensitivity.figure_names import check_figures
+from vehicledyn.analyses.sensitivity.known_analyses import RUN, analysis_of
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.results.hdf5.kept_work import KeptWork
@@ -56,8 +57,10 @@ class UncertaintyStudy:
             If there is such a name.
         """
         try:
+            own = [name for name in self.of if analysis_of(name) == RUN]
             with suppress(NumericalError):
-                check_figures(self.loaded, self.of, progress)
+                if own:
+                    check_figures(self.loaded, own, progress)
         except InputError as error:
             named = (
                 ("of", k) for k, name in enumerate(self.of) if str(error).startswith(f"'{name}'")

@@ -1,0 +1,321 @@
+"""Figures of one scenario at any values of its parameters: of its run, or of an analysis."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple, Protocol, TypeAlias
+
+import numpy as np
+
+from vehicledyn.analyse.gradients.key_figures import FigureSlope, unit_of
+from vehicledyn.analyses.preparation.prepared import Progress
+from vehicledyn.analyses.sensitivity.confirmation import unconfirmed
+from vehicledyn.analyses.sensitivity.driving_failures import driving_failure
+from vehicledyn.analyses.sensitivity.figure_names import check_figures
+from vehicledyn.analyses.sensitivity.known_analyses import ANALYSES, RUN, analysis_of
+from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
+from vehicledyn.analyses.sensitivity.names import Wanted, directions, named_channels, wanted
+from vehicledyn.base.errors import InputError, NumericalError
+from vehicledyn.base.step_memory import Memory
+from vehicledyn.files.scenario import LoadedScenario
+from vehicledyn.results.store.linear_file import Quantity
+from vehicledyn.results.tables.sensitivity_table import SensitivityTable
+from vehicledyn.studies.refused_values import written
+
+Parameters: TypeAlias = Mapping[str, tuple[Quantity, float]]
+"""Parameters by name, with their values."""
+
+_LISTED = 4
+
+
+class Found(NamedTuple):
+    """Figures with their derivatives, and how the vehicle failed in the run, empty if it did not.
+
+    Where derivatives were not wanted they are zero.
+    """
+
+    pairs: list[tuple[FigureSlope, Quantity]]
+    failure: str = ""
+
+
+class ScenarioFigures(Protocol):
+    """Figures of one scenario, all of its run or all of one analysis."""
+
+    @property
+    def title(self) -> str:
+        """Title of the scenario."""
+
+    @property
+    def model(self) -> str:
+        """Name of the model."""
+
+    @property
+    def parameters(self) -> Parameters:
+        """Parameters of the model."""
+
+    @property
+    def notes(self) -> list[str]:
+        """What is to be said of the figures; others may add to it."""
+
+    @property
+    def units(self) -> Mapping[str, str | None]:
+        """Units of the figures by name, None where only a run tells."""
+
+    def at(
+        self,
+        changes: Mapping[str, float],
+        variables: Sequence[str],
+        *,
+        follows: bool,
+        progress: Progress,
+    ) -> Found:
+        """Return the figures, in the order of ``units``, at other values of parameters.
+
+        Parameters
+        ----------
+        changes
+            Values of parameters.
+        variables
+            Parameters that derivatives are by.
+        follows
+            Whether derivatives are wanted.
+        progress
+            Called with what is going on.
+
+        Raises
+        ------
+        NumericalError
+            If the run or analysis fails.
+        """
+
+    def unconfirmed(self, point: Mapping[str, float]) -> list[str]:
+        """Return warnings of derivatives by what a point gives that differences do not confirm."""
+
+
+@dataclass(frozen=True)
+class RunFigures:
+    """Key figures of a run, and figures of its channels."""
+
+    study: MotionStudy
+    asked: Wanted
+
+    @classmethod
+    def of(cls, loaded: LoadedScenario, names: Sequence[str], progress: Progress) -> RunFigures:
+        """Return figures of a run by their names.
+
+        Raises
+        ------
+        InputError
+            If a name means nothing.
+        NumericalError
+            If the run fails.
+        """
+        check_figures(loaded, names, progress)
+        study = MotionStudy.of(loaded, named_channels(names), progress)
+        e = study.prepared.equations
+        return cls(study, wanted(e, names, [name for name in names if "(" not in name]))
+
+    @property
+    def title(self) -> str:
+        """Title of the scenario."""
+        return self.study.loaded.title
+
+    @property
+    def model(self) -> str:
+        """Name of the model."""
+        return self.study.prepared.equations.name
+
+    @property
+    def parameters(self) -> Parameters:
+        """Parameters of the model."""
+        prepared = self.study.prepared
+        pairs = zip(prepared.equations.parameters, prepared.kernel.parameters, strict=True)
+        return {p.name: (Quantity(p.name, p.unit, p.description), float(v)) for p, v in pairs}
+
+    @property
+    def notes(self) -> list[str]:
+        """What is to be said of the run."""
+        return self.study.notes
+
+    @property
+    def units(self) -> Mapping[str, str | None]:
+        """Units of the figures by name, None of those that only a run tells."""
+        channels = {c.name: c.unit for c in self.study.prepared.equations.channels}
+        found: dict[str, str | None] = dict.fromkeys(self.asked.others)
+        for kind, channel in self.asked.figures:
+            found[f"{kind}({channel})"] = unit_of(kind, channels[channel])
+        return found
+
+    def at(
+        self,
+        changes: Mapping[str, float],
+        variables: Sequence[str],
+        *,
+        follows: bool,
+        progress: Progress,
+    ) -> Found:
+        """Return the figures of the run at other values of parameters."""
+        study = self.study.moved(dict(changes))
+        if follows:
+            e, kernel = study.prepared.equations, study.prepared.kernel
+            chosen = directions(e, kernel.parameters, study.start.state, variables)
+            motion = study.followed(chosen, progress)
+        else:
+            motion = study.plain(progress)
+        return Found(study.figures(self.asked, motion), driving_failure(study, motion))
+
+    def unconfirmed(self, point: Mapping[str, float]) -> list[str]:
+        """Return warnings of derivatives at a point that differences of runs do not confirm."""
+        study = self.study.moved(dict(point))
+        e, kernel = study.prepared.equations, study.prepared.kernel
+        chosen = directions(e, kernel.parameters, study.start.state, list(point))
+        motion = study.followed(chosen, _silent)
+        own = {e.channels[k].name: place for place, k in enumerate(study.channels)}
+        figures = self.asked.figures
+        judged = range(len(own)) if self.asked.others else [own[c] for _, c in figures]
+        return unconfirmed(study, chosen, motion, list(dict.fromkeys(judged)))
+
+
+@dataclass(frozen=True)
+class AnalysisFigures:
+    """Figures of an analysis other than the run, all of one.
+
+    ``asked`` are their names, ``first`` what the analysis finds by all parameters of the scenario
+    as it is.
+    """
+
+    loaded: LoadedScenario
+    analysis: str
+    asked: list[str]
+    first: SensitivityTable
+    notes: list[str] = field(default_factory=list)
+
+    @classmethod
+    def of(cls, loaded: LoadedScenario, analysis: str, asked: Sequence[str]) -> AnalysisFigures:
+        """Return figures of an analysis by their names.
+
+        Raises
+        ------
+        InputError
+            If a name means nothing, or more than one figure.
+        NumericalError
+            If the analysis fails.
+        """
+        if ANALYSES[analysis].subject == "file":
+            raise InputError(f"'{asked[0]}' is of a file, not of a scenario")
+        first = _table(loaded, analysis, asked, ["parameters.*"], _silent)
+        _places(asked, first)
+        return cls(loaded, analysis, list(asked), first)
+
+    @property
+    def title(self) -> str:
+        """Title of the scenario."""
+        return self.loaded.title
+
+    @property
+    def model(self) -> str:
+        """Name of the model."""
+        return self.first.model
+
+    @property
+    def parameters(self) -> Parameters:
+        """Parameters of the model."""
+        pairs = zip(self.first.parameters, self.first.parameter_values, strict=True)
+        return {quantity.name: (quantity, float(value)) for quantity, value in pairs}
+
+    @property
+    def units(self) -> Mapping[str, str | None]:
+        """Units of the figures by name."""
+        places = _places(self.asked, self.first)
+        return {n: self.first.figures[k].unit for n, k in zip(self.asked, places, strict=True)}
+
+    def at(
+        self,
+        changes: Mapping[str, float],
+        variables: Sequence[str],
+        *,
+        follows: bool,
+        progress: Progress,
+    ) -> Found:
+        """Return the figures of the analysis at other values of parameters."""
+        known = self.parameters
+        texts = [f"parameters.{n}={written(v, known[n][0].unit)}" for n, v in changes.items()]
+        target = self.loaded.with_overrides(texts)
+        table = _table(target, self.analysis, self.asked, variables, progress)
+        pairs = []
+        for name, k in zip(self.asked, _places(self.asked, table), strict=True):
+            value, slope, about = float(table.values[k]), table.slopes[k], table.figures[k]
+            if not np.isfinite(value):
+                raise NumericalError(f"'{name}' has no value there")
+            lost = "" if np.isfinite(slope).all() else "it does not exist at this point"
+            slope = slope if follows else np.zeros(len(variables))
+            quantity = Quantity(name, about.unit, about.description)
+            pairs.append((FigureSlope(value, slope, lost if follows else ""), quantity))
+        return Found(pairs)
+
+    def unconfirmed(self, point: Mapping[str, float]) -> list[str]:
+        """Return nothing: these derivatives are not those of steps through events."""
+        return []
+
+
+def figures_of(
+    loaded: LoadedScenario, names: Sequence[str], progress: Progress
+) -> list[ScenarioFigures]:
+    """Return figures of a scenario by their names, analysis by analysis.
+
+    Raises
+    ------
+    InputError
+        If a name means nothing.
+    NumericalError
+        If the run or an analysis fails.
+    """
+    found: list[ScenarioFigures] = []
+    for kind in dict.fromkeys(analysis_of(name) for name in names):
+        own = [name for name in names if analysis_of(name) == kind]
+        if kind == RUN:
+            found.append(RunFigures.of(loaded, own, progress))
+        else:
+            progress(f"preparing {kind}", None)
+            found.append(AnalysisFigures.of(loaded, kind, own))
+    return found
+
+
+def _table(
+    loaded: LoadedScenario,
+    analysis: str,
+    asked: Sequence[str],
+    to: Sequence[str],
+    progress: Progress,
+) -> SensitivityTable:
+    """Return derivatives of figures of an analysis by parameters, at the scenario's own speed."""
+    own = ANALYSES[analysis]
+    find, _ = own.load()
+    speeds: tuple[Any, ...] = (None,) if own.has_speed else ()
+    return find(loaded, list(asked), list(to), *speeds, progress, memory=Memory())
+
+
+def _places(asked: Sequence[str], table: SensitivityTable) -> list[int]:
+    """Return the numbers of figures among those of a table.
+
+    Raises
+    ------
+    InputError
+        If a name stands for several figures, or for a curve.
+    """
+    names = [quantity.name for quantity in table.figures]
+    if not table.channels and len(names) == len(asked):
+        return list(range(len(names)))
+    for name in asked:
+        if name not in names:
+            listed = ", ".join(f"'{n}'" for n in names[:_LISTED])
+            raise InputError(
+                f"'{name}' stands for several figures or a curve: name one figure; here are "
+                f"{listed}"
+            )
+    return [names.index(name) for name in asked]
+
+
+def _silent(text: str, fraction: float | None = None) -> None:
+    """Report nothing."""
