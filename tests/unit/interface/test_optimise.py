@@ -199,9 +199,9 @@ def test_what_a_system_file_cannot_hold_is_refused_before_the_search(tmp_path):
         "minimise: max(body.roll)\n",
         encoding="utf-8",
     )
-    (tmp_path / "run.yaml").write_text(
-        SCENARIO.replace("model: quarter_car", "model: small_car\nspeed: 10 m/s"), encoding="utf-8"
-    )
+    car = "model: small_car\nmanoeuvre: {kind: straight}\nspeed: 9 m/s"
+    run = SCENARIO.replace("model: quarter_car", car)
+    (tmp_path / "run.yaml").write_text(run, encoding="utf-8")
     with pytest.raises(InputError, match=r"cannot hold 'front_left\.tyre\.friction'"):
         vd.optimise(path, system_file=tmp_path / "best.yaml")
 
