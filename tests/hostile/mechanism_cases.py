@@ -97,6 +97,9 @@ KINDS_OF_BEAM = [
     "",
     "    model: exact\n    curvature: [0, -1 / (0.3 m), 0.2 1/m]\n    stresses: true\n",
     "    model: segments\n    segments: 4\n    curvature: [1 1/m, 0, 0]\n",
+    "    model: segments\n    segments: 5\n",
+    "    basis: attached\n"
+    "    foundation: {at: [0, 0, 0], stiffness: [0, 0, 1 MN/m^2], begin: 0.2, end: 0.9}\n",
 ]
 STUCK = """\
 title: A box on a slope
@@ -244,7 +247,10 @@ def driven(rng, name):
 def beam(rng, name):
     """Return a system with a spoilt beam."""
     text = BEAM.replace("SECTION", rng.choice(SECTIONS))
-    text = text.replace("    frames:", rng.choice(KINDS_OF_BEAM) + "    frames:")
+    more = rng.choice(KINDS_OF_BEAM)
+    text = text.replace("    frames:", f"{more}    frames:")
+    if "attached" in more:
+        text = text.replace("{z: 1}", "{z: 3, twist: 2}")
     if rng.random() < 0.25:
         kind, more = rng.choice(list(CONTACTS.items()))
         text = STUCK.replace("KIND", kind).replace("MORE", more)
