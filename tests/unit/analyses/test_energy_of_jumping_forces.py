@@ -32,3 +32,22 @@ def test_jumps_between_samples(tmp_path, pause):
     )
     work = run["energy.kinetic"].values.max()
     assert run.summary["energy_drift"].value < 5e-5 * work
+
+
+@pytest.mark.parametrize(
+    ("pause", "more", "told"),
+    [
+        ("0.5034 s", "", True),
+        ("0.503 s", "", False),
+        ("0.5034 s", "events:\n  jump: {when: time - pause}\n", False),
+    ],
+)
+def test_jumps_within_steps_are_told(tmp_path, pause, more, told):
+    """A step that passes over one is off; an event ends a step there."""
+    (tmp_path / "pushed.yaml").write_text(PUSHED + more)
+    (tmp_path / "run.yaml").write_text(RUN)
+    run = vd.simulate(
+        vd.load(tmp_path / "run.yaml"), backend="interpreted", parameters={"pause": pause}
+    )
+    words = "'push' jumps at t = 0.5034 s, within a step of 0.001 s"
+    assert [words in note for note in run.notes if "jumps" in note] == [True] * told

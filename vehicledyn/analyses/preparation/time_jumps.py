@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import Field, fields, is_dataclass
 from typing import Any
 
@@ -23,7 +23,9 @@ _HALVINGS = 60
 def time_jumps(system: System, begin: float, end: float) -> list[float]:
     """Return when within a run [s] conditions of functions of time alone change, ascending."""
     time = ops.symbol("time")
-    conditions = [item for law in _laws(system) for item in deciders(_column(law(time)))]
+    conditions = [
+        item for _, law in _laws(system) for item in deciders(ops.column(_components(law(time))))
+    ]
     if not conditions or not end > begin:
         return []
     entries = system.table.entries
@@ -46,16 +48,27 @@ def time_jumps(system: System, begin: float, end: float) -> list[float]:
     return sorted(set(map(float, low)))
 
 
-def _laws(system: System) -> Iterator[Any]:
-    """Yield the functions of time that parts declare."""
+def laws_over_time(system: System) -> tuple[list[str], Callable[[float], Vector]]:
+    """Return the parts that declare functions of time and these, name by name, all components."""
+    time = ops.symbol("time")
+    found = [(name, item) for name, law in _laws(system) for item in _components(law(time))]
+    entries = system.table.entries
+    values = np.array([entry.value for entry in entries])
+    symbols = ops.column([entry.symbol for entry in entries])
+    evaluate = ops.numeric([time, symbols], ops.column([item for _, item in found]))
+    return [name for name, _ in found], lambda t: evaluate(t, values)[:, 0]
+
+
+def _laws(system: System) -> Iterator[tuple[str, Any]]:
+    """Yield the functions of time that parts declare, with the name of the part."""
     for part in system.parts:
         declared: tuple[Field[Any], ...] = fields(part) if is_dataclass(part) else ()
         for known in declared:
             if known.metadata.get("variables") == "time":
                 law = getattr(part, known.name)
                 if callable(law):
-                    yield law
+                    yield part.name, law
 
 
-def _column(found: Any) -> Any:
-    return ops.column(list(found) if isinstance(found, tuple | list) else [found])
+def _components(found: Any) -> list[Any]:
+    return list(found) if isinstance(found, tuple | list) else [found]

@@ -24,6 +24,7 @@ from vehicledyn.analyses.preparation.validity.rounded_kinks import rounded_kinks
 from vehicledyn.analyses.simulation.animation_recorder import Recorder, surroundings_of
 from vehicledyn.analyses.simulation.chosen_step import leaves_step, with_step
 from vehicledyn.analyses.simulation.judgement import judged_by
+from vehicledyn.analyses.simulation.jumps_in_steps import jumps_in_steps
 from vehicledyn.analyses.simulation.kinked_drives import kinked_drives
 from vehicledyn.analyses.simulation.lost_control import STATUS, lost_control
 from vehicledyn.analyses.simulation.moved_starts import moved_starts
@@ -128,6 +129,7 @@ def run_scenario(
     notes.extend(kinked_drives(prepared.subject, loaded.scenario.duration))
     notes.extend(run_remarks(loaded, prepared))
     notes.extend(undamped_constraints(solver, prepared.equations))
+    notes.extend(jumps_in_steps(prepared, solver, loaded.scenario.duration))
     turns = SingularTurns.of(prepared.subject.system, prepared.equations)
     needed = needed_channels(prepared)
     run = _Run(loaded, prepared, kept, needed, described, recorder, notes, turns, solver)
