@@ -20,7 +20,7 @@ from pydantic import (
 from vehicledyn.base.errors import InputError, unknown_name
 from vehicledyn.base.registry import find, kinds
 from vehicledyn.base.units import describe, to_si
-from vehicledyn.base.validation_messages import Complaint, complain, reword
+from vehicledyn.base.validation_messages import Complaint, complain, reword, words_of
 
 Vector = tuple[float, float, float]
 
@@ -147,7 +147,7 @@ def _read_parts(family: str, value: Any) -> Any:
             parts.append(read_part(family, item))
         except ValidationError as error:
             complaints += [
-                Complaint((index, *line["loc"]), line["msg"], item, line["type"])
+                Complaint((index, *line["loc"]), words_of(line), item, line["type"])
                 for line in error.errors()
             ]
     if complaints:

@@ -96,6 +96,11 @@ def reword(
     return complain(parameters.__name__, list(complaints.values()))
 
 
+def words_of(line: ErrorDetails) -> str:
+    """Return the message of an error; that of a validator without what pydantic puts in front."""
+    return str(line["ctx"]["error"]) if line["type"] == "value_error" else line["msg"]
+
+
 def _complaint(
     line: ErrorDetails,
     parameters: type[BaseModel],
@@ -148,9 +153,7 @@ def _wrong_value(line: ErrorDetails, unit: str | None) -> str:
         guess = nearest_name(str(given), re.findall("'([^']*)'", str(context["expected"])))
         hint = f"; did you mean '{guess}'?" if guess else ""
         return f"must be {context['expected']}, is {_shown(given)}{hint}"
-    if kind == "value_error":
-        return str(context["error"])
-    return line["msg"]
+    return words_of(line)
 
 
 def _shown(given: Any) -> str:

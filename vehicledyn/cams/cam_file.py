@@ -11,7 +11,7 @@ import vehicledyn.cams.laws
 import vehicledyn.cams.outlines  # noqa: F401
 from vehicledyn.base.problems import START, Problem, refusal
 from vehicledyn.base.units import describe
-from vehicledyn.base.validation_messages import UNKNOWN_KEY
+from vehicledyn.base.validation_messages import UNKNOWN_KEY, words_of
 from vehicledyn.base.yaml import Document, read_yaml
 from vehicledyn.cams.cam import Cam
 from vehicledyn.cams.checks import checked
@@ -54,7 +54,7 @@ def cam_of(document: Document, folder: Path) -> CamFile:
         cam = CamFile.model_validate(document.data)
     except ValidationError as error:
         problems += [
-            problem_at(document, line["loc"], line["msg"], at_key=line["type"] == UNKNOWN_KEY)
+            problem_at(document, line["loc"], words_of(line), at_key=line["type"] == UNKNOWN_KEY)
             for line in error.errors()
         ]
         raise refusal(problems, document.name) from None

@@ -19,7 +19,7 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.base.parameters import units_of
 from vehicledyn.base.problems import START, Place, Problem, dotted, refusal
 from vehicledyn.base.units import describe
-from vehicledyn.base.validation_messages import UNKNOWN_KEY
+from vehicledyn.base.validation_messages import UNKNOWN_KEY, words_of
 from vehicledyn.base.yaml import Document, read_yaml
 from vehicledyn.files.scenario.bare_numbers import bare_numbers
 from vehicledyn.files.scenario.load import LoadedScenario
@@ -175,7 +175,7 @@ class _Reading:
             told = {(p.mark, p.field) for p in self.problems if p.mark is not None}
             for line in error.errors():
                 at_key = line["type"] == UNKNOWN_KEY
-                found = self.sources.problem(line["loc"], line["msg"], at_key=at_key)
+                found = self.sources.problem(line["loc"], words_of(line), at_key=at_key)
                 self.problems += [found] if (found.mark, found.field) not in told else []
             raise refusal(self.problems, self.document.name) from None
 

@@ -51,6 +51,10 @@ def test_every_argument_of_the_front_door_is_checked(name):
         ),
         (lambda: vd.contact_geometry("S1002", "60E1", shifts=[]), "shifts: give one value or more"),
         (lambda: vd.rig("sedan", "twist"), "no test named 'twist'"),
+        (
+            lambda: vd.cam({"follower": {"kind": "flat"}}),
+            "cam:1:1: give either a motion with a base_radius, or an outline",
+        ),
         (lambda: vd.rig("sedan", values=("0 m", "1 m")), "values=('0 m', '1 m'): write (from, to,"),
         (lambda: vd.rig("sedan", travel="high"), "travel='high': expected a number with a unit"),
     ],

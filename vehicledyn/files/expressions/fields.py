@@ -18,7 +18,7 @@ from pydantic_core.core_schema import ValidationInfo
 
 from vehicledyn.base.parameters import ParameterSet, read_part
 from vehicledyn.base.units import describe
-from vehicledyn.base.validation_messages import UNKNOWN_KEY, Complaint, complain
+from vehicledyn.base.validation_messages import UNKNOWN_KEY, Complaint, complain, words_of
 from vehicledyn.files.expressions.expressions import Expression, named, read_expression
 
 _ONE: dict[str, Any] = {"type": ["number", "string"]}
@@ -133,7 +133,7 @@ class SystemSet(ParameterSet):
                 entries[name] = read_part(str(family), _of_kind(item, kind))
             except ValidationError as error:
                 complaints += [
-                    Complaint((name, *line["loc"]), line["msg"], item, line["type"])
+                    Complaint((name, *line["loc"]), words_of(line), item, line["type"])
                     for line in error.errors()
                 ]
         if complaints:

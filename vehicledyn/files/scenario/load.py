@@ -16,7 +16,7 @@ from vehicledyn.base.parameters import as_plain, field_unit, units_of
 from vehicledyn.base.problems import START, Place, Problem, refusal
 from vehicledyn.base.registry import find, kinds
 from vehicledyn.base.units import describe
-from vehicledyn.base.validation_messages import UNKNOWN_KEY
+from vehicledyn.base.validation_messages import UNKNOWN_KEY, words_of
 from vehicledyn.base.yaml import Document, copied, parse_yaml, read_yaml
 from vehicledyn.files.scenario.bare_numbers import bare_numbers
 from vehicledyn.files.scenario.catalogue_models import CatalogueModel
@@ -395,6 +395,6 @@ def _read_scenario(data: dict[str, Any], sources: Sources) -> tuple[Scenario | N
         return Scenario.model_validate(data), []
     except ValidationError as error:
         return None, [
-            sources.problem(line["loc"], line["msg"], at_key=line["type"] == UNKNOWN_KEY)
+            sources.problem(line["loc"], words_of(line), at_key=line["type"] == UNKNOWN_KEY)
             for line in error.errors()
         ]

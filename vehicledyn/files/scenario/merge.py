@@ -10,7 +10,7 @@ from pydantic import ValidationError
 
 from vehicledyn.base.parameters import ParameterSet
 from vehicledyn.base.problems import Place, Problem, dotted
-from vehicledyn.base.validation_messages import UNKNOWN_KEY
+from vehicledyn.base.validation_messages import UNKNOWN_KEY, words_of
 from vehicledyn.base.yaml import read_yaml
 from vehicledyn.files.scenario.sets import Scenario
 from vehicledyn.files.scenario.sources import Sources
@@ -113,10 +113,10 @@ def merge_parameters(
         for line in error.errors():
             at_key = line["type"] == UNKNOWN_KEY
             place = merge.explanation(line["loc"])
-            if place is None or (line["loc"], line["msg"]) in _own_faults(model):
-                problems.append(_own_problem(model, line["loc"], line["msg"]))
+            if place is None or (line["loc"], words_of(line)) in _own_faults(model):
+                problems.append(_own_problem(model, line["loc"], words_of(line)))
             else:
-                words = line["msg"] + (_choice_hint(place) if at_key else "")
+                words = words_of(line) + (_choice_hint(place) if at_key else "")
                 problems.append(sources.problem((_ROOT, *place), words, at_key=at_key))
         return None, problems
     return (None if problems else parameters), problems
@@ -138,7 +138,7 @@ def _own_faults(model: type[Model]) -> set[tuple[Place, str]]:
     try:
         model.parameter_class.model_validate(model.default_parameters())
     except ValidationError as error:
-        return {(line["loc"], line["msg"]) for line in error.errors()}
+        return {(line["loc"], words_of(line)) for line in error.errors()}
     return set()
 
 

@@ -10,6 +10,7 @@ from pydantic import ValidationError
 from vehicledyn.base.errors import unknown_name
 from vehicledyn.base.parameters import read_part
 from vehicledyn.base.problems import Place
+from vehicledyn.base.validation_messages import words_of
 from vehicledyn.files.expressions.algebra import ExpressionError
 from vehicledyn.files.expressions.dimensions import MEASURES
 from vehicledyn.files.expressions.parameters import Parameters
@@ -59,7 +60,7 @@ def _law(item: Any) -> tuple[TimeLaw | None, Problems]:
         law = read_part("time_law", written)
     except ValidationError as error:
         return None, [
-            (tuple(line["loc"]) if isinstance(item, dict) else (), line["msg"])
+            (tuple(line["loc"]) if isinstance(item, dict) else (), words_of(line))
             for line in error.errors()
         ]
     return (law, []) if isinstance(law, TimeLaw) else (None, [((), "is no law of time")])

@@ -10,7 +10,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from vehicledyn.base.problems import MOST_FOUND, Place, Problem
-from vehicledyn.base.validation_messages import UNKNOWN_KEY
+from vehicledyn.base.validation_messages import UNKNOWN_KEY, words_of
 from vehicledyn.base.yaml import Document
 from vehicledyn.files.expressions.parameters import read_parameters
 from vehicledyn.files.scenario.referenced_files import beside
@@ -67,7 +67,7 @@ class Reading:
             file = SystemFile.model_validate(self.expansion.data)
         except ValidationError as error:
             for line in error.errors():
-                self._tell_one(line["loc"], line["msg"], at_key=line["type"] == UNKNOWN_KEY)
+                self._tell_one(line["loc"], words_of(line), at_key=line["type"] == UNKNOWN_KEY)
             return None
         if self.lacks_assemblies:
             return None

@@ -11,6 +11,7 @@ from vehicledyn.base.parameters import read_part
 from vehicledyn.base.problems import START, Problem, dotted, refusal
 from vehicledyn.base.registry import register
 from vehicledyn.base.units import describe
+from vehicledyn.base.validation_messages import words_of
 from vehicledyn.base.yaml import read_yaml
 from vehicledyn.rail.track.track import Track
 from vehicledyn.rail.track.track_set import TrackChoice
@@ -60,7 +61,7 @@ def read_track(path: Path) -> TrackChoice:
         for line in error.errors():
             place = line["loc"]
             mark = document.values.get(place) or document.keys.get(place[:-1], START)
-            problems.append(Problem(document.name, mark, dotted(place), line["msg"]))
+            problems.append(Problem(document.name, mark, dotted(place), words_of(line)))
         raise refusal(problems, document.name) from None
     if problems or not isinstance(chosen, TrackChoice):
         raise refusal(problems, document.name)

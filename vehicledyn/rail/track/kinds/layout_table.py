@@ -11,6 +11,7 @@ from vehicledyn.base.files.column_files import Column, Columns, read_columns
 from vehicledyn.base.parameters import read_part
 from vehicledyn.base.problems import Problem, refusal
 from vehicledyn.base.registry import register
+from vehicledyn.base.validation_messages import words_of
 from vehicledyn.rail.track.segments import SegmentSet
 from vehicledyn.rail.track.track_set import DesignedTrack
 
@@ -71,7 +72,7 @@ def _segments(columns: Columns) -> tuple[list[SegmentSet], list[Problem]]:
         except ValidationError as error:
             for line in error.errors():
                 field = str(line["loc"][0]) if line["loc"] else "kind"
-                problems.append(columns.problem(row, field, line["msg"]))
+                problems.append(columns.problem(row, field, words_of(line)))
         else:
             if isinstance(segment, SegmentSet):
                 segments.append(segment)
