@@ -13,13 +13,13 @@ from vehicledyn.base.parameters import quantity
 from vehicledyn.base.registry import register
 from vehicledyn.base.units import shown
 from vehicledyn.road.manoeuvres.driving_test import DrivingTest
-from vehicledyn.road.manoeuvres.run_record import RunRecord, read_record
 from vehicledyn.road.standards.entries import entry
 
 if TYPE_CHECKING:
     from vehicledyn.multibody.model.parts import Situation
     from vehicledyn.results.store.layout import SummaryEntry
     from vehicledyn.road.manoeuvres.channel_recorder import Recording
+    from vehicledyn.road.manoeuvres.run_record import RunRecord
     from vehicledyn.road.standards.signals import Signals
     from vehicledyn.road.vehicle import RoadVehicle
     from vehicledyn.symbolic.ops import Scalar
@@ -87,6 +87,8 @@ class MeasuredRun(DrivingTest):
         InputError
             If the file cannot be read.
         """
+        from vehicledyn.road.manoeuvres.run_record import read_record
+
         return read_record(Path(self.file), self.begin)
 
     def fit(self, vehicle: RoadVehicle) -> RoadVehicle:
