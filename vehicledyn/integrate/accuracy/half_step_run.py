@@ -33,6 +33,9 @@ part of the largest energy that exchanges are no smaller than.
 _FINEST = 256
 """Most parts of a step when the early end of a run is looked at again."""
 
+_LOST = 0.3
+"""Energy from nowhere that no second look can explain, as a part of what is exchanged."""
+
 MOVED = 0.04
 """Error that a second look may find without a warning."""
 
@@ -277,6 +280,20 @@ def energy_is_off(watch: MonitoredRun) -> bool:
             return True
         found = balance_of(watch, watch.kept) if rough.part > 0.75 * MOVED else None
     return found is not None and found.part > MOVED
+
+
+def lost_energy(watch: MonitoredRun) -> float:
+    """Return which part of the energy exchanged a run loses or gains that is too long to repeat.
+
+    Zero where that is a small part, or may come from what lies between the samples.
+    """
+    if watch.kept is None or may_be_repeated(watch.kernel, watch.grid):
+        return 0.0
+    with np.errstate(all="ignore"):
+        found = balance_of(watch, watch.kept)
+        if found is None or not found.error > found.doubt + _LOST * found.exchanged:
+            return 0.0
+    return found.part
 
 
 def balance_of(

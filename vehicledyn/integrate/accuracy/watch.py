@@ -22,6 +22,7 @@ from vehicledyn.integrate.accuracy.half_step_run import (
     energy_is_off,
     look_again,
     look_at_start,
+    lost_energy,
 )
 from vehicledyn.integrate.accuracy.monitored_run import SEEN, DivergenceError, MonitoredRun
 from vehicledyn.integrate.accuracy.recommended_step import recommended_step
@@ -38,7 +39,7 @@ from vehicledyn.integrate.accuracy.windows import (
     total_error,
 )
 from vehicledyn.integrate.channel_ranges import Ranges
-from vehicledyn.integrate.estimated_accuracy import Accuracy
+from vehicledyn.integrate.estimated_accuracy import ENERGY, Accuracy
 from vehicledyn.kernel.engine import Vector
 from vehicledyn.kernel.kernel import Kernel
 
@@ -208,7 +209,9 @@ class AccuracyWatch(MonitoredRun):
         most = most_bound(self.kernel, self.grid)
         is_off = energy_is_off(self)
         if bound <= most and not is_off:
-            name = f"'{self.names[worst]}'" if self.names else ""
+            lost, name = lost_energy(self), f"'{self.names[worst]}'" if self.names else ""
+            if lost > 0.0:
+                return Accuracy("inaccurate", lost, f"'{ENERGY}'", None, spent)
             return Accuracy("accurate", bound, name, None, spent)
         kept = [places[k] for k in found.numbers]
         hidden = None if ended_early else self.hidden(found, halves())
