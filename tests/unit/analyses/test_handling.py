@@ -218,7 +218,7 @@ def test_a_fishhook_reports_when_its_first_roll_ends(small_car):
     figures = {figure.name: figure.value for figure in figures_of(small_car.car, "fishhook", run)}
     rates = np.abs(run.signals.roll_rate)
     at = test.turned_at + figures["first_roll_settled"]
-    assert np.interp(at, run.signals.time, rates) < np.radians(1.5)
+    assert np.interp(at, run.signals.time, rates) == pytest.approx(np.radians(1.5), rel=1e-6)
     before = (run.signals.time >= test.turned_at) & (run.signals.time < at - 1e-9)
     assert (rates[before] >= np.radians(1.5)).all()
 
@@ -376,7 +376,7 @@ def test_a_car_that_rolls_over_has_tipped_up_whatever_its_chassis_is_called():
     found = {f.name: f.value for f in tests.figures}
     assert any("chassis.overturned" in note for note in tests.notes)
     assert found["tips_up"]
-    assert 42.0 * 0.44704 < found["safe_speed"] < found["tip_up_speed"] <= 45.0 * 0.44704
+    assert 41.0 * 0.44704 < found["safe_speed"] < found["tip_up_speed"] <= 42.5 * 0.44704
     assert found["tip_up_speed"] - found["safe_speed"] <= 0.01 * found["tip_up_speed"]
     assert "two_wheel_height" not in found  # that of a car which lies on its side says nothing
 

@@ -134,6 +134,18 @@ def test_a_lane_change_that_does_not_reach_its_end_has_no_verdict():
     assert found(80.0)["passed"]
 
 
+def test_the_fishhook_turns_back_when_the_roll_rate_falls_between_samples():
+    test = find("manoeuvre", "fishhook")(angle=1.0, rate=10.0, begin=0.0, hold=2.0)
+    assert test.turned_at == pytest.approx(0.1)
+    fall, limit = 7000.0, 1.5
+    for way in (1.0, -1.0):
+        rate = np.radians(way * (20.0 - fall * np.maximum(TIME - 0.2, 0.0)))
+        found = test.roll_settled(signals(roll_rate=rate))
+        assert found == pytest.approx(0.1 + (20.0 - limit) / fall, abs=1e-9)
+    assert math.isnan(test.roll_settled(signals(roll_rate=np.ones_like(TIME))))
+    assert test.roll_settled(signals(roll_rate=np.zeros_like(TIME))) == 0.0
+
+
 def test_a_sine_with_dwell_coasts_and_asks_less_of_a_heavy_car():
     assert SineDwellTest(amplitude=1.0).throttle().at(1.0) == 0.0
     aside = Verdict(0.1, 0.1, 1.6)

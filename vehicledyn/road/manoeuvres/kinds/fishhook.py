@@ -87,10 +87,25 @@ class Fishhook(DrivingTest):
         yield from tip_up(recording, vehicle)
 
     def roll_settled(self, signals: Signals) -> float:
-        """Return when the roll rate falls below 1.5 deg/s after the first turn; NaN if never."""
-        slow = abs(signals.roll_rate) < _ROLL_RATE
-        later = (signals.time >= self.turned_at) & slow
-        return float(signals.time[later.argmax()]) - self.turned_at if later.any() else math.nan
+        """Return when the roll rate falls below 1.5 deg/s after the first turn; NaN if never.
+
+        Straight lines join the samples, so that a change of sign between two of them counts.
+        """
+        import numpy as np
+
+        later = signals.time > self.turned_at
+        time = np.append(self.turned_at, signals.time[later])
+        rate = np.append(signals.at("roll_rate", self.turned_at), signals.roll_rate[later])
+        slow = np.abs(rate) < _ROLL_RATE
+        slow[1:] |= rate[1:] * rate[:-1] < 0.0
+        if not slow.any():
+            return math.nan
+        k = int(slow.argmax())
+        if k == 0:
+            return 0.0
+        way = math.copysign(1.0, rate[k - 1])
+        share = (way * rate[k - 1] - _ROLL_RATE) / (way * (rate[k - 1] - rate[k]))
+        return float(time[k - 1] + share * (time[k] - time[k - 1])) - self.turned_at
 
 
 _ROLL_RATE = math.radians(1.5)
