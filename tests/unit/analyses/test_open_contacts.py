@@ -87,5 +87,5 @@ def test_an_impact_that_no_step_resolves_is_told_with_a_remedy(tmp_path, solver,
 
 def test_an_impact_that_makes_energy_is_told_of_runs_too_long_to_be_repeated(tmp_path):
     """Interpreted ones are: the tappet flew away at 100 km/s with a clean bill."""
-    with pytest.warns(vd.AccuracyWarning, match="energy comes from nowhere.*about all"):
+    with pytest.warns(vd.AccuracyWarning, match="energy comes from nowhere"):
         stiff_drop(tmp_path, RK4, "1e16", "0")
