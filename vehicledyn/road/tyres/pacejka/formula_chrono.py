@@ -4,7 +4,8 @@ It takes α and γ as angles, bounds B (x + S_h) to ± (π/2 - 0.01), adds 0.1 N
 division, takes magnitudes of friction and of B_t and B_xα, scales K_y by λ_μy in place of λ_Ky and
 leaves out the influence of camber on F_x. Combined slip goes by its friction ellipse, by
 Pacejka's weights, or is left out. With Pacejka's weights the sign of κ stands before the
-equivalent angle of the trail, so that M_z jumps at κ = 0, where the trail is the largest.
+equivalent angle of the trail, so that M_z jumps at κ = 0, where the trail is the largest. M_x and
+M_y are those of PAC2002, not that program's.
 
 References
 ----------
