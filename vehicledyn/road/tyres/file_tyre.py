@@ -112,12 +112,18 @@ class FileTyre(Tyre):
         return self.acting or self.content.asked.forces
 
     @property
-    def on_ellipse(self) -> bool:
-        """Whether slips combine by the friction ellipse: FE_METHOD, or no coefficients for it."""
-        if self.forces_that_act != "combined":
-            return False
+    def ellipse(self) -> Literal["shifted", "plain"] | None:
+        """How slips combine by the friction ellipse, None where they do by weights.
+
+        "shifted" as PAC2002 does where FE_METHOD says so; "plain" where the file has no
+        coefficients of combined slip: forces at pure slip are then those of the pure curves.
+        """
         method = self.content.texts.get("FE_METHOD", "").upper()
-        return method == "YES" or (method != "NO" and not self.content.has_combined)
+        if self.forces_that_act != "combined" or method == "NO":
+            return None
+        if method == "YES":
+            return "shifted"
+        return None if self.content.has_combined else "plain"
 
     def acting_forces(self, p: Coefficients, contact: TyreInput) -> TyreForces:
         """Return the forces that act; those without combined slip are at pure slip.

@@ -23,4 +23,4 @@ class MagicFormula52(FileTyre):
     def steady_forces(self, p: Coefficients, contact: TyreInput) -> TyreForces:
         """Return the forces of a tyre that is not mirrored."""
         chosen = convention_of(self, ("standard", "angles"))
-        return forces_52(p, contact, angles=chosen == "angles", ellipse=self.on_ellipse)
+        return forces_52(p, contact, angles=chosen == "angles", ellipse=self.ellipse)

@@ -27,4 +27,4 @@ class MagicFormula61(FileTyre):
     def steady_forces(self, p: Coefficients, contact: TyreInput) -> TyreForces:
         """Return the forces of a tyre that is not mirrored."""
         rules = RULES[convention_of(self, tuple(RULES))]
-        return forces_61(p, contact, rules, ellipse=self.on_ellipse)
+        return forces_61(p, contact, rules, ellipse=self.ellipse)

@@ -62,7 +62,7 @@ class Pac2002(FileTyre):
             return replace(found, rolling_resistance=0.0)
         if chosen == "chrono":
             return forces_chrono(p, contact, combined)
-        return forces_52(p, contact, angles=chosen == "angles", ellipse=self.on_ellipse)
+        return forces_52(p, contact, angles=chosen == "angles", ellipse=self.ellipse)
 
     @property
     def forces_that_act(self) -> str:

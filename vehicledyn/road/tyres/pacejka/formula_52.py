@@ -15,7 +15,12 @@ import math
 from dataclasses import dataclass
 
 from vehicledyn.road.tyres.pacejka.coefficient_values import Coefficients
-from vehicledyn.road.tyres.pacejka.friction_ellipse import Pure, on_ellipse
+from vehicledyn.road.tyres.pacejka.friction_ellipse import (
+    PLAIN_FLOOR,
+    SLIP_FLOOR,
+    Pure,
+    on_ellipse,
+)
 from vehicledyn.road.tyres.pacejka.state import (
     EQUIVALENT_SLIP_FLOOR,
     FRICTION_FLOOR,
@@ -48,7 +53,7 @@ class PureCurve:
 
 
 def forces_52(
-    p: Coefficients, contact: TyreInput, *, angles: bool = False, ellipse: bool = False
+    p: Coefficients, contact: TyreInput, *, angles: bool = False, ellipse: str | None = None
 ) -> TyreForces:
     """Return the forces at combined slip.
 
@@ -61,7 +66,7 @@ def forces_52(
     angles
         Whether slip angle and camber enter as angles, in place of tan α and sin γ.
     ellipse
-        Whether slips combine by the friction ellipse, in place of weights.
+        How slips combine by the friction ellipse, "shifted" or "plain"; None for weights.
     """
     state = state_of(p, contact)
     slip = Slip(state.angle, state.camber)
@@ -69,7 +74,7 @@ def forces_52(
         slip = Slip(tangent(state.angle), ops.sin(state.camber))
     along, across = longitudinal(p, state, slip), lateral(p, state, slip)
     if ellipse:
-        fx, free = forces_on_ellipse(state, slip.angle, along, across)
+        fx, free = forces_on_ellipse(state, slip.angle, along, across, ellipse)
         fy, ratio = free, 0.0
     else:
         fx = along.force * _along_weight(p, state, slip)
@@ -84,13 +89,19 @@ def forces_52(
 
 
 def forces_on_ellipse(
-    s: State, angle: Scalar, along: PureCurve, across: PureCurve
+    s: State, angle: Scalar, along: PureCurve, across: PureCurve, way: str
 ) -> tuple[Scalar, Scalar]:
-    """Return F_x and F_y of pure curves by the friction ellipse; ``angle`` is that of F_y."""
-    x = s.slip + along.horizontal_shift + along.vertical_shift / along.stiffness
-    y = angle + across.horizontal_shift + across.vertical_shift / across.stiffness
+    """Return F_x and F_y by the friction ellipse, by slips from where forces vanish if "shifted".
+
+    ``angle`` is the slip angle as it enters F_y.
+    """
+    x, y, floor = s.slip, angle, PLAIN_FLOOR
+    if way == "shifted":
+        floor = SLIP_FLOOR
+        x = x + along.horizontal_shift + along.vertical_shift / along.stiffness
+        y = y + across.horizontal_shift + across.vertical_shift / across.stiffness
     pure = (Pure(c.force, c.vertical_shift, c.friction * s.load) for c in (along, across))
-    return on_ellipse(x, y, *pure)
+    return on_ellipse(x, y, *pure, floor=floor)
 
 
 def longitudinal(p: Coefficients, s: State, slip: Slip) -> PureCurve:

@@ -103,9 +103,9 @@ RULES = {
 
 
 def forces_61(
-    p: Coefficients, contact: TyreInput, rules: Rules, *, ellipse: bool = False
+    p: Coefficients, contact: TyreInput, rules: Rules, *, ellipse: str | None = None
 ) -> TyreForces:
-    """Return the forces at combined slip, by the friction ellipse where ``ellipse`` says so."""
+    """Return the forces at combined slip, by the friction ellipse if ``ellipse`` is given."""
     s = state_of(p, contact)
     camber = ops.sin(s.camber) if rules.sine else s.camber
     tan = tangent(s.angle)
@@ -121,8 +121,8 @@ def forces_61(
         along = longitudinal(p, s, turn, digression=bends)
         across = lateral(p, s, pure, turn, digression=bends)
     if ellipse:
-        fx, fy = forces_on_ellipse(s, pure.angle, along, across)
-        level_force = forces_on_ellipse(s, pure.angle, along, upright)[1]
+        fx, fy = forces_on_ellipse(s, pure.angle, along, across, ellipse)
+        level_force = forces_on_ellipse(s, pure.angle, along, upright, ellipse)[1]
     else:
         fx = along.force * _along_weight(p, s, combined)
         fy = share * across.force + _induced(p, s, combined, across.friction) * turn.z2

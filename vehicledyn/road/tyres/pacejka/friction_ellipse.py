@@ -20,6 +20,9 @@ from vehicledyn.symbolic.ops import Scalar
 SLIP_FLOOR = 1e-9
 """Rounds the direction of the slip where there is none [1]."""
 
+PLAIN_FLOOR = 1e-3
+"""The same for slips that are not shifted: there forces of conicity and plysteer fade [1]."""
+
 
 class Pure(NamedTuple):
     """Force at pure slip, its vertical shift and its largest friction force [N]."""
@@ -29,11 +32,13 @@ class Pure(NamedTuple):
     peak: Scalar
 
 
-def on_ellipse(slip: Scalar, angle: Scalar, along: Pure, across: Pure) -> tuple[Scalar, Scalar]:
+def on_ellipse(
+    slip: Scalar, angle: Scalar, along: Pure, across: Pure, *, floor: float = SLIP_FLOOR
+) -> tuple[Scalar, Scalar]:
     """Return F_x and F_y; ``slip`` and ``angle`` are κ_c [1] and α_c [rad]."""
     x, y = slip, ops.sin(angle)
     used_x, used_y = (ops.absolute(curve.force - curve.rise) for curve in (along, across))
     part_x, part_y = y * used_x / across.peak, x * used_y / along.peak
-    size_x, size_y = (ops.smooth_norm(item, 0.0, SLIP_FLOOR) for item in (x, y))
-    fx = along.force * size_x / ops.smooth_norm(x, part_x, SLIP_FLOOR)
-    return fx, across.force * size_y / ops.smooth_norm(y, part_y, SLIP_FLOOR)
+    size_x, size_y = (ops.smooth_norm(item, 0.0, floor) for item in (x, y))
+    fx = along.force * size_x / ops.smooth_norm(x, part_x, floor)
+    return fx, across.force * size_y / ops.smooth_norm(y, part_y, floor)
