@@ -22,6 +22,7 @@ from vehicledyn.road.standards.evasion import (
 from vehicledyn.road.standards.frequency_response import transient_response
 from vehicledyn.road.standards.gradients import initial_gradient
 from vehicledyn.road.standards.hysteresis import loop_of
+from vehicledyn.road.standards.peaks import peak
 from vehicledyn.road.standards.signals import Signals
 from vehicledyn.road.standards.sine_dwell import Dwelling, Verdict, judged
 from vehicledyn.road.standards.steering_shares import STANDARD_GRAVITY, angle_at_third_g
@@ -60,7 +61,7 @@ def test_an_oscillator_overshoots_by_the_closed_form():
     assert found.overshoot == pytest.approx(
         math.exp(-math.pi * damping / math.sqrt(1.0 - damping**2)), rel=1e-5
     )
-    assert found.peak_time == pytest.approx(math.pi / damped, abs=1e-3)
+    assert found.peak_time == pytest.approx(math.pi / damped, abs=1e-6)
 
 
 def test_a_constant_deceleration_is_its_own_mean_and_stops_after_its_way():
@@ -132,6 +133,14 @@ def test_a_lane_change_that_does_not_reach_its_end_has_no_verdict():
     assert "passed" not in found(25.0)
     assert "unfinished" not in found(80.0)
     assert found(80.0)["passed"]
+
+
+def test_a_peak_lies_between_samples():
+    time = np.arange(0.0, 1.0, 0.01)
+    at, largest = peak(time, 3.0 - 40.0 * (time - 0.3127) ** 2)
+    assert (at, largest) == pytest.approx((0.3127, 3.0), abs=1e-9)
+    assert peak(time, time) == pytest.approx((0.99, 0.99))
+    assert peak(time, np.minimum(time, 0.5)) == pytest.approx((0.5, 0.5), abs=0.0051)
 
 
 def test_the_fishhook_turns_back_when_the_roll_rate_falls_between_samples():

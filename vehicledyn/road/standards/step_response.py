@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vehicledyn.road.standards.peaks import peak
 from vehicledyn.road.standards.signals import Floats
 
 RESPONDED = 0.9
@@ -55,11 +56,9 @@ def step_response(
     if steady == 0.0:
         return StepResponse(0.0, np.nan, np.nan, np.nan)
     answer = values / steady
-    at = int(np.argmax(answer))
+    at, largest = peak(time, answer)
     reached = first_crossing(time, answer, RESPONDED)
-    return StepResponse(
-        steady, reached - reference, float(time[at]) - reference, float(answer[at]) - 1.0
-    )
+    return StepResponse(steady, reached - reference, at - reference, largest - 1.0)
 
 
 def first_crossing(time: Floats, values: Floats, level: float) -> float:

@@ -52,18 +52,18 @@ class SingleSine(DrivingTest):
         self, signals: Signals, recording: Recording, vehicle: RoadVehicle
     ) -> Iterator[SummaryEntry]:
         """Yield the lags and gains of both halves."""
+        from vehicledyn.road.standards.peaks import peak
+
         period = 1.0 / self.frequency
         if self.amplitude == 0.0 or signals.time[-1] < self.begin + 1.5 * period:
             return
         for index, half in enumerate(("first", "second")):
-            peak = self.begin + (0.25 + 0.5 * index) * period
-            window = signals.between(peak - 0.1 * period, peak + 0.5 * period)
+            steered = self.begin + (0.25 + 0.5 * index) * period
+            window = signals.between(steered - 0.1 * period, steered + 0.5 * period)
             side = (1.0 if self.amplitude > 0.0 else -1.0) * (1.0 if index == 0 else -1.0)
             for name, text in _ANSWERS.items():
-                values = side * getattr(window, name)
-                at = int(values.argmax())
-                gain = float(values[at]) / abs(self.amplitude)
-                lag = float(window.time[at]) - peak
+                at, largest = peak(window.time, side * getattr(window, name))
+                gain, lag = largest / abs(self.amplitude), at - steered
                 unit = "1/s" if name == "yaw_rate" else "m/s^2/rad"
                 words = f"{text}: {half} peak over the steering amplitude"
                 yield from entry(f"{name}_{half}_gain", gain, unit, words)
