@@ -24,9 +24,9 @@ from vehicledyn.rail.geometry.contact_geometry import (
     Touch,
     Wheel,
     outward_slope,
-    rail_rates,
     silhouette,
 )
+from vehicledyn.rail.geometry.rail_rates import rail_rates
 from vehicledyn.rail.geometry.wheelset_geometry import Standing, WheelsetOnTrack, stand, stand_level
 from vehicledyn.rail.profiles.profile_pieces import Floats
 

@@ -58,43 +58,43 @@ def _cycle() -> Loaded:
 
 
 def _kinematic() -> Loaded:
-    from vehicledyn.analyses.sensitivity import kinematic_curves
+    from vehicledyn.analyses.sensitivity.subjects import kinematic_curves
 
     return kinematic_curves.find_kinematic_sensitivity, kinematic_curves.KINDS
 
 
 def _inverse() -> Loaded:
-    from vehicledyn.analyses.sensitivity.inverse_forces import find_inverse_sensitivity
+    from vehicledyn.analyses.sensitivity.subjects.inverse_forces import find_inverse_sensitivity
 
     return find_inverse_sensitivity, ()
 
 
 def _rig() -> Loaded:
-    from vehicledyn.analyses.sensitivity.rig_figures import find_rig_sensitivity
+    from vehicledyn.analyses.sensitivity.subjects.rig_figures import find_rig_sensitivity
 
     return find_rig_sensitivity, ()
 
 
 def _steady() -> Loaded:
-    from vehicledyn.analyses.sensitivity import steady_figures
+    from vehicledyn.analyses.sensitivity.subjects import steady_figures
 
     return steady_figures.find_steady_sensitivity, steady_figures.KINDS
 
 
 def _tyre() -> Loaded:
-    from vehicledyn.analyses.sensitivity.tyre_figures import find_tyre_sensitivity
+    from vehicledyn.analyses.sensitivity.subjects.tyre_figures import find_tyre_sensitivity
 
     return find_tyre_sensitivity, ()
 
 
 def _profiles() -> Loaded:
-    from vehicledyn.analyses.sensitivity.contact_figures import find_contact_sensitivity
+    from vehicledyn.analyses.sensitivity.subjects.contact_figures import find_contact_sensitivity
 
     return find_contact_sensitivity, ()
 
 
 def _cam() -> Loaded:
-    from vehicledyn.analyses.sensitivity.cam_figures import find_cam_sensitivity
+    from vehicledyn.analyses.sensitivity.subjects.cam_figures import find_cam_sensitivity
 
     return find_cam_sensitivity, ()
 

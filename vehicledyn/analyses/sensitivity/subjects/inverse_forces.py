@@ -21,9 +21,9 @@ from vehicledyn.analyses.mechanism.inverse import channel_rows
 from vehicledyn.analyses.mechanism.inverse_report import prepared_motion, sample_times
 from vehicledyn.analyses.preparation.build_model import build_subject
 from vehicledyn.analyses.preparation.prepared import Progress
-from vehicledyn.analyses.sensitivity.motion_law import GivenMotion
 from vehicledyn.analyses.sensitivity.motion_study import check_size
 from vehicledyn.analyses.sensitivity.names import START, Directions, Wanted, directions, wanted
+from vehicledyn.analyses.sensitivity.subjects.motion_law import GivenMotion
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.step_memory import Memory
 from vehicledyn.files.scenario import LoadedScenario

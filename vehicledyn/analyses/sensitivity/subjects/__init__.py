@@ -1,0 +1,1 @@
+"""Derivatives of analyses that are neither runs nor linear models nor limit cycles."""
