@@ -191,6 +191,7 @@ def test_the_system_found_is_written_as_a_file(tmp_path):
         vd.optimise(path, system_file=tmp_path / "best.yaml")
 
 
+@pytest.mark.long
 def test_what_a_system_file_cannot_hold_is_refused_before_the_search(tmp_path):
     """Such as the friction of the tyre of one wheel, which files give all wheels."""
     path = tmp_path / "study.yaml"
