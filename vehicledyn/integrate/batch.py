@@ -21,7 +21,7 @@ import numpy as np
 from vehicledyn.base.argument_names import given
 from vehicledyn.base.errors import InputError
 from vehicledyn.codegen.toolchain.compiler import CompilationError, suitable_lanes
-from vehicledyn.integrate.accuracy.lanes import LaneWatch, lane_watch
+from vehicledyn.integrate.accuracy.lanes import LaneMonitor, lane_watch
 from vehicledyn.integrate.accuracy.windows import Grid
 from vehicledyn.integrate.cases import CaseEnd, Cases, Plan, Samples
 from vehicledyn.integrate.channel_ranges import watched_channels
@@ -318,7 +318,7 @@ def _ends(batch: Batch, alone: SingleCase, run: LaneRun, room: Samples) -> list[
 def _judge(
     ends: list[CaseEnd | None],
     room: Samples,
-    judging: tuple[LaneWatch, Judging, Plan],
+    judging: tuple[LaneMonitor, Judging, Plan],
     finer: Callable[[], LaneRun],
 ) -> None:
     """Say how accurate the lanes are that came to their end, as far as lanes can tell.

@@ -10,7 +10,7 @@ import numpy as np
 
 from vehicledyn.base.argument_names import argument
 from vehicledyn.base.errors import InputError
-from vehicledyn.integrate.events import EventWatch
+from vehicledyn.integrate.events import EventMonitor
 from vehicledyn.kernel.engine import March, Vector
 
 
@@ -62,7 +62,7 @@ def most_numbers(n_states: int, n_unknowns: int, n_events: int) -> int:
     return 4 + 4 * n_states + 3 * n_unknowns + 1 + 3 * n_events
 
 
-def history_of(march: March, watch: EventWatch) -> Vector:
+def history_of(march: March, watch: EventMonitor) -> Vector:
     """Return the numbers with which a run with fixed steps goes on."""
     parts = (march.state, march.unknowns, march.memory, march.sides, watch.memory)
     return np.concatenate([[march.step], *(np.asarray(part, dtype=float) for part in parts)])
@@ -80,7 +80,7 @@ def reading_history() -> Iterator[None]:
         ) from error
 
 
-def go_on_from(history: Vector, march: March, watch: EventWatch, first: int, last: int) -> None:
+def go_on_from(history: Vector, march: March, watch: EventMonitor, first: int, last: int) -> None:
     """Set a run with fixed steps to where its history was noted, between steps first and last.
 
     Raises

@@ -2,7 +2,7 @@
 
 A method watches its own points, as close together as it steps: an event whose function changes
 sign and back between two of them is missed. Where one fires, the method makes trial points in
-between, from which :meth:`EventWatch.cross` finds the first point behind the sign change; the
+between, from which :meth:`EventMonitor.cross` finds the first point behind the sign change; the
 motion starts anew from there.
 """
 
@@ -50,7 +50,7 @@ Trial = Callable[[float], Point]
 """Gives the point at a fraction of a stretch of the motion without events."""
 
 
-class EventWatch:
+class EventMonitor:
     """The sides on which the functions of the events lie, as a run goes on.
 
     ``sides`` holds a sign for each event; zero says that nothing is known yet. It is changed in

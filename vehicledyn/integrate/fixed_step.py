@@ -7,9 +7,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from vehicledyn.base.errors import InputError, NumericalError
+from vehicledyn.integrate.accuracy.monitor import AccuracyMonitor
 from vehicledyn.integrate.accuracy.monitored_run import Rerun, Way
 from vehicledyn.integrate.accuracy.proposed_step import proposed_step
-from vehicledyn.integrate.accuracy.watch import AccuracyWatch
 from vehicledyn.integrate.accuracy.windows import Grid, WindowStart
 from vehicledyn.integrate.course import go_on_from, history_of
 from vehicledyn.integrate.events import Point
@@ -125,13 +125,13 @@ def _silent(*_: object) -> None:
     """Report nothing."""
 
 
-def watch_of(task: Task, grid: Grid, rerun: Rerun) -> AccuracyWatch:
+def watch_of(task: Task, grid: Grid, rerun: Rerun) -> AccuracyMonitor:
     """Return a watch that sees the samples of a task before its sink does.
 
     Of a continued run it sees what went before, too, where that is known.
     """
     judged = task.judged or Judged.usual(task.kernel.equations)
-    watch = AccuracyWatch(task.kernel.equations, grid, judged, rerun)
+    watch = AccuracyMonitor(task.kernel.equations, grid, judged, rerun)
     watch.take_past(task.kernel, task.course)
     sink = task.sink
 

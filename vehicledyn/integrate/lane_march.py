@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.integrate.accuracy.lanes import LaneWatch
+from vehicledyn.integrate.accuracy.lanes import LaneMonitor
 from vehicledyn.integrate.lane_run import LaneRun
 
 _CHUNK_SECONDS, _FIRST_CHUNK, _GROWTH, _MOST_NUMBERS = 0.08, 16, 8, 1_000_000
 
 
-def march(run: LaneRun, samples: NDArray[Any], watch: LaneWatch | None = None) -> Iterator[float]:
+def march(run: LaneRun, samples: NDArray[Any], watch: LaneMonitor | None = None) -> Iterator[float]:
     """Run cases to their end in chunks of a tenth of a second; yield the part done.
 
     Parameters

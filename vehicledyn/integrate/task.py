@@ -11,7 +11,7 @@ import numpy as np
 
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.integrate.course import Beginning, Carried, Course
-from vehicledyn.integrate.events import EventWatch, Point
+from vehicledyn.integrate.events import EventMonitor, Point
 from vehicledyn.kernel.engine import Count, Figure, Ledger, Rows, Vector
 from vehicledyn.kernel.kernel import Kernel
 from vehicledyn.kernel.make_kernel import Progress
@@ -110,14 +110,14 @@ class Task:
     sizes: tuple[float, float] | None = None
     ledger: Ledger = field(default_factory=Ledger)
     started: float = field(default_factory=time.perf_counter)
-    watch: EventWatch = field(init=False)
+    watch: EventMonitor = field(init=False)
 
     def __post_init__(self) -> None:
         """Watch the events from the start on."""
         if self.beginning is not None:
             self.delivered = round((self.beginning.time - self.start) / self.interval) + 1
         start = Point(self.begin, self.state, self.unknowns)
-        self.watch = EventWatch(self.kernel, start, self.ledger, self.happened)
+        self.watch = EventMonitor(self.kernel, start, self.ledger, self.happened)
 
     @property
     def beginning(self) -> Beginning | None:

@@ -98,7 +98,7 @@ class March:
     number ``step``, at ``start + interval * step / per_interval``; ``memory`` holds what the
     guesses of the unknowns extrapolate from, so that a run cut into chunks gives the same
     numbers as a run in one piece. ``sides`` (n_events,) are the signs of the functions of the
-    events there, see :class:`vehicledyn.integrate.events.EventWatch`. ``addresses`` are those of
+    events there, see :class:`vehicledyn.integrate.events.EventMonitor`. ``addresses`` are those of
     the last call of an engine, as asking for them takes as long as some steps.
     """
 

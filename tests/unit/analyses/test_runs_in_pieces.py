@@ -4,7 +4,7 @@ import pytest
 
 from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_monitored
 from vehicledyn.base.errors import NumericalError
-from vehicledyn.integrate.accuracy.watch import AccuracyWatch
+from vehicledyn.integrate.accuracy.monitor import AccuracyMonitor
 from vehicledyn.integrate.judged_quantities import Judged
 from vehicledyn.integrate.methods.rk4 import RungeKutta4
 from vehicledyn.integrate.methods.symplectic_euler import SymplecticEuler
@@ -81,13 +81,13 @@ def test_the_steps_of_all_pieces_are_counted(known, needs_compiler):
 
 def test_windows_lie_in_all_pieces(known, needs_compiler, monkeypatch):
     seen = []
-    conclude = AccuracyWatch.conclude
+    conclude = AccuracyMonitor.conclude
 
     def told(self, **how):
         seen.extend(self.places)
         return conclude(self, **how)
 
-    monkeypatch.setattr(AccuracyWatch, "conclude", told)
+    monkeypatch.setattr(AccuracyMonitor, "conclude", told)
     statistics, changes, _ = run(known, RungeKutta4(step=5e-4))
     assert statistics.accuracy.verdict == "accurate"
     assert seen[0].time == 0.0 and seen[-1].time > changes[-1][1]

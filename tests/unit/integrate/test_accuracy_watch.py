@@ -9,13 +9,13 @@ from event_examples import with_events
 from solve_examples import build, decay, oscillator, symbols
 
 from vehicledyn.base.errors import NumericalError
+from vehicledyn.integrate.accuracy.monitor import AccuracyMonitor
 from vehicledyn.integrate.accuracy.proposed_step import (
     dividing_step,
     eigenvalues,
     longest_step,
     proposed_step,
 )
-from vehicledyn.integrate.accuracy.watch import AccuracyWatch
 from vehicledyn.integrate.accuracy.windows import WindowEnds, window_places
 from vehicledyn.integrate.batch import Cases, make_batch, run_batch
 from vehicledyn.integrate.estimated_accuracy import Accuracy, worst_of
@@ -329,7 +329,7 @@ def test_places_do_not_depend_on_chunks():
     rows = np.random.default_rng(1).normal(size=(101, 5))
     found = []
     for sizes in ([101], [1, 7, 50, 43], [1] * 101):
-        watch = AccuracyWatch(equations, grid, Judged.usual(equations), None)
+        watch = AccuracyMonitor(equations, grid, Judged.usual(equations), None)
         begin = 0
         for size in sizes:
             part = rows[begin : begin + size]

@@ -11,7 +11,7 @@ from small_systems import pendulum
 
 import vehicledyn as vd
 from vehicledyn.base.errors import UnknownNameError
-from vehicledyn.integrate.accuracy.watch import Accuracy, AccuracyWatch
+from vehicledyn.integrate.accuracy.monitor import Accuracy, AccuracyMonitor
 
 HEAVY = ("casadi", "h5py", "matplotlib", "numpy", "pandas", "pydantic", "ruamel", "scipy", "xarray")
 QUICK = {"backend": "interpreted"}
@@ -224,7 +224,7 @@ def test_channels_are_drawn_against_each_other_and_over_results():
 
 def test_accuracy_warnings_are_python_warnings(monkeypatch):
     found = Accuracy("inaccurate", 0.2, "'body.height'", 0.001)
-    monkeypatch.setattr(AccuracyWatch, "conclude", lambda self, **how: found)
+    monkeypatch.setattr(AccuracyMonitor, "conclude", lambda self, **how: found)
     with pytest.warns(vd.AccuracyWarning, match="the step is too long") as caught:
         vd.simulate("quarter_car", duration="0.1 s", solver={"kind": "rk4"}, **QUICK)
     assert caught[0].filename == __file__

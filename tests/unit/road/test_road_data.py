@@ -11,7 +11,7 @@ from crg_files import crg
 from vehicledyn.cli import main
 from vehicledyn.cli.commands.files import read_file
 from vehicledyn.road.manoeuvres.channel_recorder import Rows
-from vehicledyn.road.manoeuvres.road_data import RoadDataWatch
+from vehicledyn.road.manoeuvres.road_data import RoadDataMonitor
 from vehicledyn.road.surfaces.enveloped import Enveloped
 from vehicledyn.road.surfaces.flat import Flat
 from vehicledyn.road.surfaces.heightfield import Heightfield
@@ -23,7 +23,7 @@ TIME = np.linspace(0.0, 1.0, 11)
 
 def watch_on(surface):
     corners = [SimpleNamespace(name="left"), SimpleNamespace(name="right")]
-    return RoadDataWatch(SimpleNamespace(surface=surface, corners=corners))
+    return RoadDataMonitor(SimpleNamespace(surface=surface, corners=corners))
 
 
 def test_the_first_wheel_that_leaves_the_grid(tmp_path):

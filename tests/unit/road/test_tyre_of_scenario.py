@@ -10,7 +10,7 @@ from vehicledyn.analyses.preparation.build_model import build_vehicle
 from vehicledyn.base.errors import InputError
 from vehicledyn.files.scenario import load_scenario
 from vehicledyn.road.manoeuvres.channel_recorder import Rows
-from vehicledyn.road.manoeuvres.tyre_ranges import RangeWatch
+from vehicledyn.road.manoeuvres.tyre_ranges import RangeMonitor
 from vehicledyn.road.wheel.road_wheel import RoadWheel
 
 SLALOM = Path(__file__).parents[3] / "scenarios" / "iltis_slalom.yaml"
@@ -43,7 +43,7 @@ def test_file_beside_the_scenario_is_checked_with_it(tmp_path):
 
 def test_ranges_that_a_run_leaves_are_reported(tmp_path):
     vehicle = build_vehicle(load_scenario(scenario(tmp_path, "file: passenger_R0394_mf61.tir")))
-    watch = RangeWatch(vehicle)
+    watch = RangeMonitor(vehicle)
     assert len(watch.channels) == 16
     time = np.linspace(0.0, 1.0, 11)
     channels = dict.fromkeys(watch.channels, 0.0 * time)
@@ -57,4 +57,4 @@ def test_ranges_that_a_run_leaves_are_reported(tmp_path):
     assert angle.value == -2.0 and "-0.96 to 0.96 rad" in angle.description
     assert "first at 0.5 s" in angle.description
     usual = build_vehicle(load_scenario(scenario(tmp_path, "kind: magic_formula_1987")))
-    assert RangeWatch(usual).channels == []
+    assert RangeMonitor(usual).channels == []

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.analyse.gradients.motion_slopes import EventSlope, Recorder
 from vehicledyn.base.errors import NumericalError
-from vehicledyn.integrate.events import EventWatch, Point
+from vehicledyn.integrate.events import EventMonitor, Point
 from vehicledyn.kernel.bundle import Bundle, Found
 from vehicledyn.kernel.engine import Ledger, March, Method, Rows, Sides, Status, Vector
 from vehicledyn.kernel.kernel import Kernel
@@ -119,7 +119,7 @@ class Course:
         time = grid.start + grid.interval * step / grid.per_interval
         unknowns = self.code.solved(time, state, guess, self.constants)
         point = Point(time, state, unknowns)
-        self.watch = EventWatch(self.kernel, point, Ledger(), self._happened)
+        self.watch = EventMonitor(self.kernel, point, Ledger(), self._happened)
         sides = self.watch.sides
         self.march = March(
             grid.method, grid.start, grid.interval, grid.per_interval, state, unknowns, sides=sides

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.integrate.accuracy.watch import AccuracyWatch
+from vehicledyn.integrate.accuracy.monitor import AccuracyMonitor
 from vehicledyn.integrate.task import Sink
 from vehicledyn.kernel.kernel import Kernel
 from vehicledyn.symbolic.equations import Equations
@@ -25,7 +25,7 @@ class Delivery:
 
     first: Equations
     sink: Sink
-    watch: AccuracyWatch | None = None
+    watch: AccuracyMonitor | None = None
     _pick: tuple[Equations, list[list[int]]] | None = field(default=None, init=False)
 
     def take(

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from vehicledyn.integrate.accuracy.monitor import AccuracyMonitor, Windows, finer_steps, most_bound
 from vehicledyn.integrate.accuracy.monitored_run import Way
-from vehicledyn.integrate.accuracy.watch import AccuracyWatch, Windows, finer_steps, most_bound
 from vehicledyn.integrate.accuracy.windows import (
     HALF,
     SPENT,
@@ -34,7 +34,7 @@ from vehicledyn.kernel.kernel import Kernel
 
 
 @dataclass
-class LaneWatch:
+class LaneMonitor:
     """Takes the windows of a run in lanes, at the samples where a case by itself has them.
 
     ``channels`` are those judged of the first case; ``kept`` are those of the samples.
@@ -148,7 +148,7 @@ class LaneWatch:
             steps = parts * count * self.grid.per_interval
             return Statistics("", "", count + 1, steps, 0, 0, 0.0, 0.0)
 
-        watch = AccuracyWatch(self.kernel.equations, self.grid, judged, rerun)
+        watch = AccuracyMonitor(self.kernel.equations, self.grid, judged, rerun)
         states = np.zeros((len(times), len(self.kernel.equations.states)))
         watch.take(self.kernel, times, states, np.zeros((len(times), 0)), known)
         watch.measure_kept()
@@ -182,6 +182,6 @@ class _OtherRunError(Exception):
     """A run is asked for that was not taken in lanes."""
 
 
-def lane_watch(kernel: Kernel, grid: Grid, judged: Judged, columns: list[int]) -> LaneWatch:
+def lane_watch(kernel: Kernel, grid: Grid, judged: Judged, columns: list[int]) -> LaneMonitor:
     """Return a watch of lanes whose samples hold the channels ``columns``."""
-    return LaneWatch(kernel, grid, [k for k in judged.channels if k in columns], columns)
+    return LaneMonitor(kernel, grid, [k for k in judged.channels if k in columns], columns)

@@ -6,8 +6,8 @@ import math
 from typing import TYPE_CHECKING
 
 from vehicledyn.road.manoeuvres.channel_recorder import Recording, Rows
-from vehicledyn.road.manoeuvres.road_data import RoadDataWatch
-from vehicledyn.road.manoeuvres.tyre_ranges import RangeWatch
+from vehicledyn.road.manoeuvres.road_data import RoadDataMonitor
+from vehicledyn.road.manoeuvres.tyre_ranges import RangeMonitor
 
 if TYPE_CHECKING:
     from vehicledyn.results.store.layout import SceneItem, SummaryEntry
@@ -33,7 +33,9 @@ def channels(vehicle: RoadVehicle) -> list[str]:
     body = [_SPEED, _LEFTWARD, _LATERAL, _SIDESLIP]
     needed = [*pose, vehicle.rack, *body, _GAP, _OPENING, *wheels]
     return list(
-        dict.fromkeys([*needed, *RangeWatch(vehicle).channels, *RoadDataWatch(vehicle).channels])
+        dict.fromkeys(
+            [*needed, *RangeMonitor(vehicle).channels, *RoadDataMonitor(vehicle).channels]
+        )
     )
 
 
@@ -52,7 +54,7 @@ def summarise(recording: Recording, vehicle: RoadVehicle) -> list[SummaryEntry]:
     """Return peaks of acceleration, angles and slip, smallest load, speed and loop errors."""
     from vehicledyn.results.store.layout import SummaryEntry
 
-    found, ranges, ground = _Extremes(vehicle), RangeWatch(vehicle), RoadDataWatch(vehicle)
+    found, ranges, ground = _Extremes(vehicle), RangeMonitor(vehicle), RoadDataMonitor(vehicle)
     for block in recording.blocks(_read(vehicle)):
         found.take(block)
         ranges.take(block)

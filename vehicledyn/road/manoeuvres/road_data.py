@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from vehicledyn.road.vehicle import RoadVehicle
 
 
-class RoadDataWatch:
+class RoadDataMonitor:
     """Looks for the first contact points beside the data of the road and at missing heights."""
 
     def __init__(self, vehicle: RoadVehicle) -> None:

@@ -37,7 +37,7 @@ class _Found(NamedTuple):
     time: float
 
 
-class RangeWatch:
+class RangeMonitor:
     """Looks for values outside the ranges; small loads, as of lifted wheels, do not count."""
 
     def __init__(self, vehicle: RoadVehicle) -> None:

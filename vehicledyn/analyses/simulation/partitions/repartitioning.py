@@ -16,9 +16,9 @@ from vehicledyn.analyses.simulation.partitions.partitioned_run import Partitione
 from vehicledyn.analyses.simulation.partitions.projected_run import ProjectedRun, projected_plan
 from vehicledyn.analyses.simulation.run_plan import RunPlan
 from vehicledyn.analyses.simulation.sample_delivery import Delivery
+from vehicledyn.integrate.accuracy.monitor import AccuracyMonitor
 from vehicledyn.integrate.accuracy.monitored_run import Way
 from vehicledyn.integrate.accuracy.proposed_step import proposed_step
-from vehicledyn.integrate.accuracy.watch import AccuracyWatch
 from vehicledyn.integrate.accuracy.windows import Grid, WindowStart
 from vehicledyn.integrate.course import Course
 from vehicledyn.integrate.fixed_step import FixedSteps, steps_per_interval
@@ -124,7 +124,7 @@ class _Pieces:
     known: dict[tuple[str, ...], Kernel] = field(default_factory=dict)
     solver: Any = None
 
-    def accuracy_watch(self, plan: RunPlan, judged: Judged | None) -> AccuracyWatch | None:
+    def accuracy_watch(self, plan: RunPlan, judged: Judged | None) -> AccuracyMonitor | None:
         """Return a watch of a whole run; None for methods with step-size control."""
         solver: Any = plan.solver
         if plan.step is None:
@@ -134,7 +134,7 @@ class _Pieces:
         if grid is None:
             return None
         self.solver = grid.solver
-        return AccuracyWatch(self.first, grid, judged or Judged.usual(self.first), self._again)
+        return AccuracyMonitor(self.first, grid, judged or Judged.usual(self.first), self._again)
 
     def run(
         self,

@@ -137,7 +137,7 @@ class Windows:
 
 
 @dataclass
-class AccuracyWatch(MonitoredRun):
+class AccuracyMonitor(MonitoredRun):
     """Judges a run with a fixed step from what it has collected."""
 
     def verdict(self, *, ended_early: bool) -> Accuracy:
