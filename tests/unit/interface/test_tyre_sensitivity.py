@@ -53,6 +53,17 @@ def test_cornering_stiffness_is_that_of_the_formula():
     assert slopes[:, 1] * second == pytest.approx(by_second, rel=0.01)
 
 
+def test_a_peak_is_that_of_the_friction():
+    """D = μ Fz and S_V: the peak grows with λ_μy, by PDY1 and PVY1 as the load, by no stiffness."""
+    names = ["LMUY", "PDY1", "PVY1", "PKY1"]
+    found = vd.sensitivity(FILES["pac2002"], "tyre(peak_lateral_force, 4 kN)", names)
+    value = found["figure_value"].values[0]
+    expected = [value, 4000.0, 4000.0, 0.0]
+    assert found["figure_slope"].values[0] == pytest.approx(expected, rel=1e-7, abs=1e-5)
+    drawn = vd.tyre(FILES["pac2002"], loads=["4 kN"])["tyre_1.lateral.lateral_force"].values
+    assert value == pytest.approx(np.abs(drawn).max(), rel=1e-3)
+
+
 def read_nominal_load(file):
     return TyreOfFile(file=file, mirror="never").content.values["FNOMIN"]
 

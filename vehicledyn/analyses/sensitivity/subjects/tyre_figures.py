@@ -46,6 +46,15 @@ _STIFFNESSES = {
 }
 """Slopes of a force by a slip: both, and the unit."""
 
+_PEAKS = {
+    "peak_longitudinal_force": ("longitudinal_force", "longitudinal_slip", 0.6),
+    "peak_lateral_force": ("lateral_force", "slip_angle", 0.5),
+}
+"""Largest sizes of a force over a slip: both, and how far to both sides it is sought."""
+
+_SCANNED = 241
+"""Slips at which a peak is looked for, before it is found between two of them."""
+
 _LEFT_OUT_AT_ZERO = ("QSY7",)
 """Coefficients that the law does without where they are zero, so that they have no derivative."""
 
@@ -135,13 +144,48 @@ class _Law:
         self._slope = ops.numeric([felt, symbols], ops.jacobian(column, symbols))
 
     def at(self, quantity: str, felt: Floats) -> tuple[float, Floats]:
-        """Return a quantity and its derivatives; raises InputError if they are no numbers."""
+        """Return a quantity and its derivatives.
+
+        That of a peak is the force's at its place, where moving it makes no difference.
+
+        Raises
+        ------
+        InputError
+            If they are no numbers, or there is no peak.
+        """
+        if quantity in _PEAKS:
+            force, slip, reach = _PEAKS[quantity]
+            place = self._peak(force, 1 + list(_SLIPS).index(slip), felt, reach)
+            value, slope = self.at(force, place)
+            return abs(value), np.sign(value) * slope
         row = self._names.index(quantity)
         value = float(self._value(felt, self._values)[row, 0])
         slope = self._slope(felt, self._values)[row]
         if not (np.isfinite(value) and np.isfinite(slope).all()):
             raise InputError(f"{quantity} at {felt[0]:g} N has no finite derivatives there")
         return value, slope
+
+    def _peak(self, force: str, column: int, felt: Floats, reach: float) -> Floats:
+        """Return what the tyre feels where the size of a force is largest."""
+        from scipy.optimize import minimize_scalar
+
+        row = self._names.index(force)
+
+        def at(slip: float) -> Floats:
+            moved = felt.copy()
+            moved[column] = slip
+            return moved
+
+        def size(slip: float) -> float:
+            return -abs(float(self._value(at(slip), self._values)[row, 0]))
+
+        places = np.linspace(-reach, reach, _SCANNED)
+        k = int(np.argmin([size(float(place)) for place in places]))
+        if not 0 < k < _SCANNED - 1:
+            raise InputError(f"the {force.replace('_', ' ')} at {felt[0]:g} N has no peak")
+        ends = float(places[k - 1]), float(places[k + 1])
+        found = minimize_scalar(size, bounds=ends, method="bounded", options={"xatol": 1e-12})
+        return at(float(found.x))
 
 
 def _quantity(asked: _Asked, felt: Floats) -> Quantity:
@@ -150,6 +194,9 @@ def _quantity(asked: _Asked, felt: Floats) -> Quantity:
     name = f"{asked.quantity} at {', '.join([shown(float(felt[0]), 'N'), *slips])}"
     if asked.quantity in _FORCES:
         return Quantity(name, *_FORCES[asked.quantity])
+    if asked.quantity in _PEAKS:
+        force, slip, _ = _PEAKS[asked.quantity]
+        return Quantity(name, "N", f"Largest size of the {force} over {slip}".replace("_", " "))
     force, slip, unit = _STIFFNESSES[asked.quantity]
     words = f"{force} by {slip}".replace("_", " ").capitalize()
     return Quantity(name, unit, words)
@@ -169,7 +216,7 @@ def _parsed(name: str) -> _Asked:
         If a part is missing or means nothing.
     """
     parts, options = called_parts(name, _FORM, (2,), _SLIPS)
-    known = [*_FORCES, *_STIFFNESSES]
+    known = [*_FORCES, *_STIFFNESSES, *_PEAKS]
     if parts[0] not in known:
         raise InputError(f"'{name}': {unknown_name('quantity', parts[0], known)}")
     try:
