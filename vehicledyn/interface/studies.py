@@ -132,6 +132,9 @@ def _from_scenario(
 ) -> LoadedStudy:
     """Return the study of a scenario, which need not be a file."""
     path = Path(scenario.path).resolve()
+    own = scenario.path.read_text(encoding="utf-8-sig") if scenario.path.is_file() else None
+    if own not in (None, scenario.text):
+        path = path.with_name(f"run of {path.name}")  # the usual run of the system in that file
     data: dict[str, Any] = {
         "title": scenario.scenario.title,
         "scenario": str(path),

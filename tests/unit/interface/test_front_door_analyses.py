@@ -81,6 +81,19 @@ def test_sweep_of_a_scenario_in_memory():
     assert len(study.plot("body.height").axes[0].lines) == 2
 
 
+def test_sweep_of_a_system_file_beside_which_one_stands(tmp_path, monkeypatch):
+    """Its usual run is no file, whatever is called like it."""
+    monkeypatch.chdir(tmp_path)
+    text = "title: T\nparameters: {k: {value: 9 N/m}}\nbodies: {a: {joints: [T1 x], mass: 1 kg}}\n"
+    force = "springs: {s: {coordinate: a.x, law: {kind: spring_damper, stiffness: k}}}\n"
+    (tmp_path / "own.yaml").write_text(f"{text}{force}initial: {{a.x: 1 m}}\n", encoding="utf-8")
+    found = vd.sweep(
+        "own.yaml", vary={"k": ["1 N/m", "4 N/m"]}, duration="0.1 s", workers=1,
+        backend="interpreted",
+    )  # fmt: skip
+    assert found["a.x"].values[:, -1] == pytest.approx(np.cos([0.1, 0.2]), rel=1e-6)
+
+
 def test_limit_cycles_with_critical_values_in_their_units(tmp_path):
     row = CycleRow(1, 50.0, 0.2, True, "", 1.0, np.ones(2), np.array([-1.0]), np.array([1.0]),
                    np.zeros((3, 1)))  # fmt: skip
