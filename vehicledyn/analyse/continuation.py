@@ -56,7 +56,7 @@ class SingularPlace:
 
 
 @dataclass
-class Way:
+class PathOutcome:
     """Outcome of following a path: how far it went, where it ended, what it passed.
 
     ``reached`` is the part of the way that could be gone, 1 if all of it; where it is less,
@@ -77,7 +77,7 @@ def follow(
     first: Vector,
     last: Vector,
     heading: Vector | None = None,
-) -> Way:
+) -> PathOutcome:
     """Move the targets in a straight line and the unknowns with them.
 
     Parameters
@@ -146,9 +146,9 @@ class _Walk:
         self.kept: list[int] = []
         self.sign = 0.0
 
-    def go(self, unknowns: Vector, heading: Vector | None) -> Way:
+    def go(self, unknowns: Vector, heading: Vector | None) -> PathOutcome:
         """Return how far the way could be followed."""
-        way = Way(unknowns.copy())
+        way = PathOutcome(unknowns.copy())
         if not np.any(self.move):
             return way
         self._choose_rows(way.unknowns)
@@ -186,7 +186,7 @@ class _Walk:
         allowed = _CORRECTION * (part - done) * float(np.linalg.norm(heading))
         return found if correction <= allowed + _ACCEPTED else None
 
-    def _look(self, way: Way, found: Vector, done: float, part: float) -> None:
+    def _look(self, way: PathOutcome, found: Vector, done: float, part: float) -> None:
         """Note a singular place at the end of a step or within it."""
         slopes = self.equations.jacobian(found)
         if _weakness(slopes) < _SINGULAR:
@@ -221,7 +221,7 @@ class _Walk:
             return None
         return SingularPlace(0.5 * (low + high), place, _weakest(slopes))
 
-    def _stuck(self, way: Way, done: float) -> Way:
+    def _stuck(self, way: PathOutcome, done: float) -> PathOutcome:
         slopes = self.equations.jacobian(way.unknowns)
         way.reached = done
         way.passed = [place for place in way.passed if place.part < done - _NEAR]

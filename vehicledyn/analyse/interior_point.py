@@ -88,7 +88,7 @@ class NonlinearProgram:
 
 
 @dataclass(frozen=True)
-class Found:
+class SearchEnd:
     """Where a search ended: variables, objective, constraints, IPOPT's words and iterations."""
 
     variables: Floats
@@ -105,7 +105,7 @@ Seen = Callable[[int, Floats, float, Floats, float], object]
 
 def minimise(
     program: NonlinearProgram, start: Floats, options: dict[str, Any], seen: Seen | None = None
-) -> Found:
+) -> SearchEnd:
     """Search the least of a program.
 
     Parameters
@@ -135,7 +135,7 @@ def minimise(
     if guard.error is not None:
         raise guard.error
     stats = solver.stats()
-    return Found(
+    return SearchEnd(
         np.array(found["x"]).ravel(),
         float(found["f"]),
         np.array(found["g"]).ravel(),

@@ -31,7 +31,7 @@ class Beginning:
 
 
 @dataclass
-class Carried:
+class MethodState:
     """What a method knows where a piece of a run ends beyond the states; the next begins with it.
 
     ``numbers`` are the method's own, None at the start of a run and for methods of one step. Where

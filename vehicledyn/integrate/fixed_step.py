@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.integrate.accuracy.monitor import AccuracyMonitor
-from vehicledyn.integrate.accuracy.monitored_run import Rerun, Way
+from vehicledyn.integrate.accuracy.monitored_run import MethodAndStep, Rerun
 from vehicledyn.integrate.accuracy.proposed_step import proposed_step
 from vehicledyn.integrate.accuracy.windows import Grid, WindowStart
 from vehicledyn.integrate.course import go_on_from, history_of
@@ -112,7 +112,7 @@ class FixedSteps:
 
 
 def _taken_again(
-    place: WindowStart, interval: float, count: int, way: Way, sink: Sink
+    place: WindowStart, interval: float, count: int, way: MethodAndStep, sink: Sink
 ) -> Statistics:
     """Take a part of a run again, see ``Rerun``."""
     own = (place.state.copy(), place.unknowns.copy())

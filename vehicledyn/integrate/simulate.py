@@ -8,7 +8,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.integrate.course import Carried, Course
+from vehicledyn.integrate.course import Course, MethodState
 from vehicledyn.integrate.judged_quantities import Judged
 from vehicledyn.integrate.task import EachStep, Happened, Sink, Statistics, Task
 from vehicledyn.kernel.kernel import Kernel
@@ -110,7 +110,7 @@ def make_task(
     course: Course | None = None,
     watched: bool = True,
     each_step: EachStep | None = None,
-    carried: Carried | None = None,
+    carried: MethodState | None = None,
 ) -> Task:
     """Return what :func:`simulate` integrates, which counts its steps as they are taken.
 

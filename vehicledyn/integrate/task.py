@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 from vehicledyn.base.errors import NumericalError
-from vehicledyn.integrate.course import Beginning, Carried, Course
+from vehicledyn.integrate.course import Beginning, Course, MethodState
 from vehicledyn.integrate.events import EventMonitor, Point
 from vehicledyn.kernel.engine import Count, Figure, Ledger, Rows, Vector
 from vehicledyn.kernel.kernel import Kernel
@@ -104,7 +104,7 @@ class Task:
     course: Course | None = None
     watched: bool = True
     each_step: EachStep | None = None
-    carried: Carried | None = None
+    carried: MethodState | None = None
     delivered: int = 0
     steps: int = 0
     sizes: tuple[float, float] | None = None

@@ -15,7 +15,7 @@ from vehicledyn.codegen.passes.linear_program import Program
 from vehicledyn.codegen.passes.stage_program import NO_STEPS, Solution
 from vehicledyn.kernel.engine import Sides, Status, Vector
 from vehicledyn.kernel.plans import Passes, SlopeMap, aligned
-from vehicledyn.kernel.tangent_code import Grid, Moment, TangentCode, Way, steps_of
+from vehicledyn.kernel.tangent_code import Grid, MotionPoint, StepSpan, TangentCode, steps_of
 
 Array = NDArray[np.float64]
 
@@ -39,7 +39,7 @@ class Samples(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Found:
+class BundleResult:
     """What is found at n points: observed values, and tangents of unknowns and values.
 
     Tangents have the shape (n, ..., n_directions).
@@ -128,7 +128,9 @@ class Bundle:
         n_x, groups, lanes = self._x.shape
         self._x.reshape(n_x, groups * lanes)[:, : self.n_directions] = values
 
-    def part(self, grid: Grid, way: Way, moment: Moment, times: tuple[Vector, Vector]) -> None:
+    def part(
+        self, grid: Grid, way: StepSpan, moment: MotionPoint, times: tuple[Vector, Vector]
+    ) -> None:
         """Take a part of a step, moving the state and unknowns of a moment and the tangents.
 
         ``times`` are the tangents of its begin and end [s].
@@ -138,7 +140,7 @@ class Bundle:
         self._code.check(status, moment.time)
 
     def march(
-        self, grid: Grid, way: Way, moment: Moment, sides: Sides
+        self, grid: Grid, way: StepSpan, moment: MotionPoint, sides: Sides
     ) -> tuple[Status, int, Samples]:
         """Take whole steps, moving the state and unknowns of a moment and the tangents.
 
@@ -159,8 +161,8 @@ class Bundle:
     def _steps(
         self,
         grid: Grid,
-        way: Way,
-        moment: Moment,
+        way: StepSpan,
+        moment: MotionPoint,
         sides: Sides | None,
         directions: _Directions,
     ) -> tuple[int, int, Samples]:
@@ -189,18 +191,18 @@ class Bundle:
         samples = Samples(times, states[:count], unknowns[:count], tangents[:count])
         return status, int(taken[0]), samples
 
-    def here(self, moment: Moment, at: Vector | None = None) -> Found:
+    def here(self, moment: MotionPoint, at: Vector | None = None) -> BundleResult:
         """Return what is found at a moment; ``at`` are the tangents of its time [s]."""
         time, state, unknowns, constants = moment
         samples = Samples(np.array([time]), state[None], unknowns[None], self._x[None])
         return self.found(samples, constants, at)
 
-    def found(self, points: Samples, constants: Vector, at: Vector | None = None) -> Found:
+    def found(self, points: Samples, constants: Vector, at: Vector | None = None) -> BundleResult:
         """Return what is found at points; ``at`` are the tangents of their times [s]."""
         values, slopes = self._points(self._to_seen, points, constants, at)
-        return Found(values, *np.split(slopes, [len(self._code.equations.unknowns)], axis=1))
+        return BundleResult(values, *np.split(slopes, [len(self._code.equations.unknowns)], axis=1))
 
-    def rate_slopes(self, moment: Moment) -> Array:
+    def rate_slopes(self, moment: MotionPoint) -> Array:
         """Return the tangents of the rates at a moment, shape (n_states, n_directions)."""
         time, state, unknowns, constants = moment
         samples = Samples(np.array([time]), state[None], unknowns[None], self._x[None])

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.kernel.engine import Vector
 from vehicledyn.kernel.path_code import Path
-from vehicledyn.kernel.point_slopes import Carried, PointCode
+from vehicledyn.kernel.point_slopes import CarriedMotions, PointCode
 
 _PARTS, _FINER, _FINEST, _ROUNDS = 4, 1 / 40, 1e-13, 9
 """Parts into which steps that miss the rates are divided, by how much their error gets smaller, the
@@ -66,7 +66,7 @@ class PathTangents:
         self._path, self._followed = path, followed
         self._steps = _Steps.of(_Code(code, parameters, scales), path)
 
-    def carried(self, tolerance: float) -> Carried:
+    def carried(self, tolerance: float) -> CarriedMotions:
         """Return where the durations of the path lead, and the derivatives of their ends.
 
         Parameters
@@ -84,7 +84,7 @@ class PathTangents:
         steps.bend(which[steps.errors[which] > _STRAIGHT * tolerance])
         maps, errors = steps.carried()
         begins, ends = path.begins, np.cumsum(path.steps)
-        return Carried(path.nodes[ends], maps, path.rates[begins], path.rates[ends], errors)
+        return CarriedMotions(path.nodes[ends], maps, path.rates[begins], path.rates[ends], errors)
 
 
 @dataclass(frozen=True)

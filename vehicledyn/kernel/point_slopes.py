@@ -29,7 +29,7 @@ _LEAST_GROUPS = 8
 
 
 @dataclass(frozen=True)
-class Carried:
+class CarriedMotions:
     """Motions from some points: their ends and rates at both ends, shape (count, n).
 
     ``maps`` (count, n, n + 1) are the derivatives of the ends by the begin and the parameter,
@@ -114,7 +114,7 @@ class PointCode:
         scales: Vector,
         tolerance: float,
         trials: int,
-    ) -> Carried | None:
+    ) -> CarriedMotions | None:
         """Return where motions lead for which the values are the rates of the point.
 
         Parameters
@@ -148,7 +148,7 @@ class PointCode:
         with ThreadPoolExecutor(cores()) as side_by_side:
             if any(side_by_side.map(carry, reversed(range(0, count, self._lanes)))):
                 return None
-        return Carried(ends, maps, first, last, errors)
+        return CarriedMotions(ends, maps, first, last, errors)
 
     @property
     def n_entries(self) -> int:

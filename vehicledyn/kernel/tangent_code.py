@@ -66,7 +66,7 @@ class Grid:
     per_interval: int
 
 
-class Moment(NamedTuple):
+class MotionPoint(NamedTuple):
     """A time [s] with states, unknowns and constants there."""
 
     time: float
@@ -75,7 +75,7 @@ class Moment(NamedTuple):
     constants: Vector
 
 
-class Way(NamedTuple):
+class StepSpan(NamedTuple):
     """Steps to take: the number of the first, how many, and of one the part to take."""
 
     first: int

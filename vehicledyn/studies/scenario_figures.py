@@ -15,7 +15,7 @@ from vehicledyn.analyses.sensitivity.driving_failures import driving_failure
 from vehicledyn.analyses.sensitivity.figure_names import check_figures
 from vehicledyn.analyses.sensitivity.known_analyses import ANALYSES, RUN, analysis_of
 from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
-from vehicledyn.analyses.sensitivity.names import Wanted, directions, named_channels, wanted
+from vehicledyn.analyses.sensitivity.names import RequestedNames, directions, named_channels, wanted
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.base.step_memory import Memory
 from vehicledyn.files.scenario import LoadedScenario
@@ -98,7 +98,7 @@ class RunFigures:
     """Key figures of a run, and figures of its channels."""
 
     study: MotionStudy
-    asked: Wanted
+    asked: RequestedNames
 
     @classmethod
     def of(cls, loaded: LoadedScenario, names: Sequence[str], progress: Progress) -> RunFigures:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.kernel.bundle import Bundle
 from vehicledyn.kernel.engine import Vector
-from vehicledyn.kernel.tangent_code import Moment, TangentCode
+from vehicledyn.kernel.tangent_code import MotionPoint, TangentCode
 
 Matrix = NDArray[np.float64]
 
@@ -117,5 +117,5 @@ def rate_slopes(code: TangentCode, balance: Balance, by_parameter: Matrix) -> tu
     bundle = Bundle(code, np.hstack([np.zeros((len(moved), n)), moved]))
     bundle.state = np.hstack([np.eye(n), np.zeros((n, by_parameter.shape[1]))])
     unknowns = code.solved(balance.time, state, guess, constants)
-    found = bundle.rate_slopes(Moment(balance.time, state, unknowns, constants))
+    found = bundle.rate_slopes(MotionPoint(balance.time, state, unknowns, constants))
     return found[:, :n], found[:, n:]

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from vehicledyn.analyse.gradients.motion_slopes import EventSlope, Recorder
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.integrate.events import EventMonitor, Point
-from vehicledyn.kernel.bundle import Bundle, Found
+from vehicledyn.kernel.bundle import Bundle, BundleResult
 from vehicledyn.kernel.engine import Ledger, March, Method, Rows, Sides, Status, Vector
 from vehicledyn.kernel.kernel import Kernel
-from vehicledyn.kernel.tangent_code import Grid, Moment, TangentCode, Way
+from vehicledyn.kernel.tangent_code import Grid, MotionPoint, StepSpan, TangentCode
 
 Matrix = NDArray[np.float64]
 
@@ -237,8 +237,8 @@ class Course:
         found = self._found(point, moved)
         self.record.take(np.array([point.time]), found.values, found.value_slopes)
 
-    def _found(self, point: Point, moved: Vector | None) -> Found:
-        return self.bundle.here(Moment(*point, self.constants), moved)
+    def _found(self, point: Point, moved: Vector | None) -> BundleResult:
+        return self.bundle.here(MotionPoint(*point, self.constants), moved)
 
     def intervals(self, count: int) -> None:
         """Go on by so many samples, or to the event that ends the motion."""
@@ -247,9 +247,9 @@ class Course:
             if self._later and self._later[0][0] <= self.march.step:
                 self._change(self._later.pop(0)[1])
             ahead = self._later[0][0] - self.march.step if self._later else due
-            way = Way(self.march.step, min(due, ahead))
+            way = StepSpan(self.march.step, min(due, ahead))
             before = self.march.state.copy(), self.march.unknowns.copy()
-            moment = Moment(self.time, self.march.state, self.march.unknowns, self.constants)
+            moment = MotionPoint(self.time, self.march.state, self.march.unknowns, self.constants)
             status, taken, samples = self.bundle.march(self.grid, way, moment, self.march.sides)
             if status not in (Status.SOLVED, Status.EVENT):
                 self._refuse(status, way, before)
@@ -267,7 +267,7 @@ class Course:
                 if self.march.step % self.grid.per_interval == 0:
                     self.sample()
 
-    def _refuse(self, status: Status, way: Way, before: tuple[Vector, Vector]) -> NoReturn:
+    def _refuse(self, status: Status, way: StepSpan, before: tuple[Vector, Vector]) -> NoReturn:
         """Raise what a run without derivatives raises where it fails, or that tangents do."""
         march = replace(self.march, state=before[0], unknowns=before[1])
         found = self.kernel.advance(march, way.n_steps, self._rows())
@@ -326,8 +326,8 @@ class Course:
 
     def _part(self, span: tuple[float, float], times: tuple[Vector, Vector]) -> None:
         state, unknowns = self.march.state.copy(), self.march.unknowns.copy()
-        moment = Moment(self.time, state, unknowns, self.constants)
-        self.bundle.part(self.grid, Way(self.march.step, 1, span), moment, times)
+        moment = MotionPoint(self.time, state, unknowns, self.constants)
+        self.bundle.part(self.grid, StepSpan(self.march.step, 1, span), moment, times)
 
     def _cross(
         self, before: Point, after: Point, begin: float, end: float, moved: Vector

@@ -20,7 +20,7 @@ from vehicledyn.kernel.engine import Vector
 from vehicledyn.kernel.interpreted import BufferedFunction
 from vehicledyn.kernel.path_code import Path, PathCode
 from vehicledyn.kernel.path_tangents import PathTangents
-from vehicledyn.kernel.point_slopes import Carried, PointCode
+from vehicledyn.kernel.point_slopes import CarriedMotions, PointCode
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Equations
 
@@ -152,7 +152,7 @@ class AutonomousField:
         scales: Vector,
         tolerance: float,
         trials: int,
-    ) -> Carried | None:
+    ) -> CarriedMotions | None:
         """Return where motions from some states lead, see :meth:`PointCode.carried`.
 
         None where the equations have unknowns, there is no compiled code, or steps become many.

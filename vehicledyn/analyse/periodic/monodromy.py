@@ -32,7 +32,7 @@ from vehicledyn.analyse.periodic.radau import (
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.kernel.engine import Vector
 from vehicledyn.kernel.path_code import Path
-from vehicledyn.kernel.point_slopes import Carried
+from vehicledyn.kernel.point_slopes import CarriedMotions
 
 TOLERANCE = 1e-5
 """Part of the rates that the tangent of a step may miss."""
@@ -194,7 +194,7 @@ def passages_along(
     return found
 
 
-def _scaled(orbit: Orbit, found: Carried, scales: Vector, mirror: Mirror | None) -> Passages:
+def _scaled(orbit: Orbit, found: CarriedMotions, scales: Vector, mirror: Mirror | None) -> Passages:
     return Passages(
         orbit,
         scales,

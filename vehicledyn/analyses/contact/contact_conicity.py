@@ -17,11 +17,16 @@ from vehicledyn.rail.geometry.conicity import (
     regression_conicity,
 )
 from vehicledyn.rail.geometry.gauge_fit import climbed_side
-from vehicledyn.rail.geometry.wheelset_geometry import Standing, WheelsetOnTrack, stand, stand_level
+from vehicledyn.rail.geometry.wheelset_geometry import (
+    WheelsetOnTrack,
+    WheelsetPosition,
+    stand,
+    stand_level,
+)
 
 NAMES = ("conicity", "conicity_with_roll", "conicity_harmonic", "conicity_regression")
 
-Method = Callable[[WheelsetOnTrack, float, float], Standing]
+Method = Callable[[WheelsetOnTrack, float, float], WheelsetPosition]
 
 _FINE = 1e-4  # m, the distance of shifts, as EN 15302 has it
 _BEYOND = 10  # shifts by which a table is longer than asked, and lengthened
@@ -141,7 +146,7 @@ class _Differences:
             return None
 
 
-def _difference(wheelset: WheelsetOnTrack, position: Standing) -> float:
+def _difference(wheelset: WheelsetOnTrack, position: WheelsetPosition) -> float:
     left, right = wheelset.left_wheel, wheelset.right_wheel
     of_left = left.radius + float(left.table.height(position.left.place[:1])[0])
     return of_left - right.radius - float(right.table.height(position.right.place[:1])[0])

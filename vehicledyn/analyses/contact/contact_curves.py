@@ -11,8 +11,8 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.rail.geometry.gauge_fit import climbed_side
 from vehicledyn.rail.geometry.wheelset_geometry import (
     Jump,
-    Standing,
     WheelsetOnTrack,
+    WheelsetPosition,
     find_jumps,
     mirrored,
     stand,
@@ -29,7 +29,7 @@ _HALVINGS = 7
 
 def standings(
     wheelset: WheelsetOnTrack, shifts: Iterable[float], yaw: float
-) -> tuple[list[Standing], list[str]]:
+) -> tuple[list[WheelsetPosition], list[str]]:
     """Return how the wheelset stands at each shift it can stand at, and what is said of others.
 
     Raises
@@ -37,7 +37,7 @@ def standings(
     InputError
         If it can stand at none.
     """
-    known: dict[float, Standing] = {}
+    known: dict[float, WheelsetPosition] = {}
     found, lost = [], []
     for shift in shifts:
         try:
@@ -60,8 +60,8 @@ def standings(
 
 
 def close_standings(
-    wheelset: WheelsetOnTrack, asked: Sequence[Standing]
-) -> tuple[list[Standing], list[Jump]]:
+    wheelset: WheelsetOnTrack, asked: Sequence[WheelsetPosition]
+) -> tuple[list[WheelsetPosition], list[Jump]]:
     """Return how the wheelset stands from the first to the last shift asked, closely, and jumps.
 
     Each jump has a shift close before and one close behind it.
@@ -83,7 +83,7 @@ def close_standings(
     return [known[shift] for shift in sorted(known)], jumps
 
 
-def _halves(standing: Sequence[Standing], jumps: Sequence[Jump]) -> set[float]:
+def _halves(standing: Sequence[WheelsetPosition], jumps: Sequence[Jump]) -> set[float]:
     """Return shifts midway where a contact goes far, or turns much, without a jump."""
     halves = set()
     for before, after in pairwise(standing):
@@ -101,7 +101,7 @@ def _halves(standing: Sequence[Standing], jumps: Sequence[Jump]) -> set[float]:
 
 def curves(
     wheelset: WheelsetOnTrack,
-    standing: Sequence[Standing],
+    standing: Sequence[WheelsetPosition],
     amplitudes: Floats,
     conicities: dict[str, Floats],
 ) -> ContactCurves:
@@ -134,7 +134,7 @@ def _by_distance(shifts: Iterable[float]) -> list[float]:
     return sorted(shifts, key=abs)
 
 
-def _jumps(wheelset: WheelsetOnTrack, standing: list[Standing]) -> list[Jump]:
+def _jumps(wheelset: WheelsetOnTrack, standing: list[WheelsetPosition]) -> list[Jump]:
     """Return the jumps; those of a symmetric wheelset are looked for on one side only."""
     if not _is_symmetric(wheelset, standing[0].yaw):
         return find_jumps(wheelset, standing)

@@ -21,7 +21,7 @@ from vehicledyn.base.argument_names import argument, given
 from vehicledyn.base.errors import InputError
 from vehicledyn.rail.geometry.contact_geometry import Touch, Wheel, place_rail
 from vehicledyn.rail.geometry.gauge_fit import check_fit
-from vehicledyn.rail.geometry.wheelset_geometry import Standing, WheelsetOnTrack, stand
+from vehicledyn.rail.geometry.wheelset_geometry import WheelsetOnTrack, WheelsetPosition, stand
 from vehicledyn.rail.profiles.open_profile import open_profile
 from vehicledyn.rail.profiles.profile import Profile
 from vehicledyn.rail.profiles.profile_names import Kind
@@ -92,7 +92,9 @@ def find_contact_geometry(
     wheelset, wheels, rails = placed(request)
     facts = replace(request, reading=request.reading.model_dump_json())  # type: ignore[arg-type]
     measured = [profile.measured and profile.measured.points for profile in (*wheels, *rails)]
-    memory = (kept or KeptWork()).memory("profiles", facts, measured, kinds=(Standing, Touch))
+    memory = (kept or KeptWork()).memory(
+        "profiles", facts, measured, kinds=(WheelsetPosition, Touch)
+    )
     wheelset = replace(wheelset, memory=memory)
     progress("finding contact points")
     standing, lost = standings(wheelset, request.shifts, request.yaw)
@@ -150,7 +152,7 @@ def _placed(
 def _table(
     request: ContactRequest,
     wheelset: WheelsetOnTrack,
-    standing: list[Standing],
+    standing: list[WheelsetPosition],
     lost: list[str],
     *,
     profiles: Sequence[Profile],
@@ -240,7 +242,7 @@ def _on_bridges(columns: ContactColumns, profiles: Sequence[Profile]) -> list[st
     return said
 
 
-def _columns(wheelset: WheelsetOnTrack, standing: list[Standing]) -> ContactColumns:
+def _columns(wheelset: WheelsetOnTrack, standing: list[WheelsetPosition]) -> ContactColumns:
     shape = (len(standing), len(SIDES), POINTS)
     names = ("place", "rail_place", "x", "y", "z", "radius", "angle", "gap")
     found = {name: np.full(shape, np.nan) for name in names}

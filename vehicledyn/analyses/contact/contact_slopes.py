@@ -27,7 +27,12 @@ from vehicledyn.rail.geometry.contact_geometry import (
     silhouette,
 )
 from vehicledyn.rail.geometry.rail_rates import rail_rates
-from vehicledyn.rail.geometry.wheelset_geometry import Standing, WheelsetOnTrack, stand, stand_level
+from vehicledyn.rail.geometry.wheelset_geometry import (
+    WheelsetOnTrack,
+    WheelsetPosition,
+    stand,
+    stand_level,
+)
 from vehicledyn.rail.profiles.profile_pieces import Floats
 
 PARAMETERS = {
@@ -129,7 +134,7 @@ class ContactSlopes:
         whole[:, column] = 0.0
         return value, conicity_slope(table, whole, amplitude) + 0.0, trouble
 
-    def _corner(self, standing: Standing) -> str:
+    def _corner(self, standing: WheelsetPosition) -> str:
         """Return why nothing follows smoothly where a wheelset stands."""
         for side in _SIDES:
             touch: Touch = getattr(standing, side)
@@ -139,7 +144,7 @@ class ContactSlopes:
                 return f"the {side} contact lies where a profile ends"
         return ""
 
-    def _differentiated(self, standing: Standing, *, level: bool) -> tuple[Floats, Floats]:
+    def _differentiated(self, standing: WheelsetPosition, *, level: bool) -> tuple[Floats, Floats]:
         """Return what is seen and its derivatives; a ``level`` wheelset is kept from rolling."""
         unknowns = ["place_left", "place_right"]
         unknowns += ["height_left", "height_right"] if level else ["roll", "height"]
@@ -152,7 +157,7 @@ class ContactSlopes:
         return value, np.asarray(seen[:, n:] + seen[:, :n] @ follow)
 
     def _moved(
-        self, standing: Standing, change: Mapping[str, float]
+        self, standing: WheelsetPosition, change: Mapping[str, float]
     ) -> tuple[list[complex], list[complex]]:
         """Return the equations of both sides and what is seen, with a step into the plane."""
         aside = {name: 1j * size for name, size in change.items()}
@@ -176,7 +181,7 @@ class ContactSlopes:
         return equations, [difference, roll, height, *sides[0], *sides[1]]
 
     def _side(
-        self, standing: Standing, side: str, pose: Pose, aside: Mapping[str, complex]
+        self, standing: WheelsetPosition, side: str, pose: Pose, aside: Mapping[str, complex]
     ) -> tuple[complex, complex, complex, list[complex]]:
         """Return place, rolling radius and contact angle of a side, and its two equations."""
         wheel: Wheel = getattr(self.wheelset, f"{side}_wheel")

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.analyse.continuation import SingularPlace, Way
+from vehicledyn.analyse.continuation import PathOutcome, SingularPlace
 from vehicledyn.analyses.mechanism.axle_characteristics import axle_columns
 from vehicledyn.analyses.mechanism.driven_mechanism import Mechanism, mechanism
 from vehicledyn.analyses.mechanism.instant_axes import (
@@ -102,7 +102,7 @@ def sweep_kinematics(
     shown = book.shown(request.columns)
     kept = kept or KeptWork()
     facts = "kinematics", digests_to_keep(kept, [target]), request
-    memory = kept.memory(*facts, kinds=(Way, SingularPlace))
+    memory = kept.memory(*facts, kinds=(PathOutcome, SingularPlace))
     swept = run_sweep(machine, drives, together=request.together, progress=progress, memory=memory)
     files = _Files(target, system.name, output, _left_out(positions))
     return files.write(book, swept, shown)

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyse.continuation import (
+    PathOutcome,
     SingularPlace,
-    Way,
     follow,
     singular_direction,
     tangents,
@@ -197,7 +197,7 @@ class _Explorer:
 
     def _followed(
         self, here: Array, first: Array, last: Array, heading: Array | None
-    ) -> tuple[Way, _Seen | None]:
+    ) -> tuple[PathOutcome, _Seen | None]:
         """Return the way to a place and what is seen there, None if it is not reached."""
         way = follow(self.equations, here, first, last, heading)
         return way, None if way.reached < 1.0 else self._seen(way.unknowns)
@@ -220,7 +220,9 @@ class _Explorer:
         words = f"singular at {at}: the drives do not determine {_listed(names)} there"
         return Finding(values, names, words)
 
-    def _failure(self, index: tuple[int, ...], way: Way, first: Array, last: Array) -> Finding:
+    def _failure(
+        self, index: tuple[int, ...], way: PathOutcome, first: Array, last: Array
+    ) -> Finding:
         values = self._at(way.reached, first, last)
         goal = self._place(self._values(index))
         names: tuple[str, ...] = ()

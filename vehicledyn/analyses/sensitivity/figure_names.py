@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.analyses.preparation.prepare import Point
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress
-from vehicledyn.analyses.sensitivity.names import Wanted, wanted
+from vehicledyn.analyses.sensitivity.names import RequestedNames, wanted
 from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_monitored
 from vehicledyn.analyses.simulation.prepared_run import prepare_run
 from vehicledyn.analyses.simulation.wanted_outputs import needed_channels
@@ -41,7 +41,7 @@ def check_figures(loaded: LoadedScenario, of: Sequence[str], progress: Progress)
         raise InputError(f"'{curves[0]}' is a curve; take a figure of it, such as rms({curves[0]})")
 
 
-def check_names(loaded: LoadedScenario, of: Sequence[str], progress: Progress) -> Wanted:
+def check_names(loaded: LoadedScenario, of: Sequence[str], progress: Progress) -> RequestedNames:
     """Return what names ask for; refuse those that are neither channels nor figures of the run.
 
     Which key figures there are depends on the run, which is simulated for it by the scenario's

@@ -30,7 +30,7 @@ from vehicledyn.analyses.sensitivity.driving_failures import (
 )
 from vehicledyn.analyses.sensitivity.figure_names import check_names, is_figure_of_run
 from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
-from vehicledyn.analyses.sensitivity.names import Directions, Wanted, directions, wanted
+from vehicledyn.analyses.sensitivity.names import Directions, RequestedNames, directions, wanted
 from vehicledyn.analyses.simulation.prepared_run import prepare_run
 from vehicledyn.base.step_memory import Memory
 from vehicledyn.files.scenario import LoadedScenario
@@ -199,7 +199,7 @@ def _table(
     study: MotionStudy,
     chosen: Directions,
     motion: MotionSlopes,
-    asked: Wanted,
+    asked: RequestedNames,
 ) -> SensitivityTable:
     e, notes = study.prepared.equations, list(study.notes)
     places = {e.channels[k].name: place for place, k in enumerate(study.channels)}

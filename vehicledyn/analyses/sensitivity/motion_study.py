@@ -27,7 +27,7 @@ from vehicledyn.analyses.linear.written_starts import WrittenStarts
 from vehicledyn.analyses.preparation.prepare import Point, set_speed, start_point
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress
 from vehicledyn.analyses.preparation.validity.bent_beams import MonitoredBeams
-from vehicledyn.analyses.sensitivity.names import START, Directions, Wanted
+from vehicledyn.analyses.sensitivity.names import START, Directions, RequestedNames
 from vehicledyn.analyses.sensitivity.pieces import Pieces
 from vehicledyn.analyses.sensitivity.steps import FIXED, grid_of, missed_by
 from vehicledyn.analyses.simulation.partitions.partition_course import PartitionCourse, RunCourse
@@ -183,7 +183,9 @@ class MotionStudy:
             start = Point(state, unknowns)
         return replace(self, prepared=prepared, start=start, held=held)
 
-    def figures(self, asked: Wanted, motion: MotionSlopes) -> list[tuple[FigureSlope, Quantity]]:
+    def figures(
+        self, asked: RequestedNames, motion: MotionSlopes
+    ) -> list[tuple[FigureSlope, Quantity]]:
         """Return the figures asked for, those of the run first."""
         e = self.prepared.equations
         places = {e.channels[k].name: place for place, k in enumerate(self.channels)}

@@ -33,7 +33,7 @@ class Directions:
 
 
 @dataclass
-class Wanted:
+class RequestedNames:
     """What derivatives are of: channels as curves, figures of channels, figures of the run."""
 
     curves: list[str] = field(default_factory=list)
@@ -112,7 +112,7 @@ def named_channels(of: Sequence[str]) -> list[str]:
     return [match[2] for name in of if (match := _FIGURE.fullmatch(name))]
 
 
-def wanted(equations: Equations, of: Sequence[str], known: Sequence[str]) -> Wanted:
+def wanted(equations: Equations, of: Sequence[str], known: Sequence[str]) -> RequestedNames:
     """Return what names ask for: channels, ``max(CHANNEL)`` and the like, figures of the run.
 
     Parameters
@@ -130,7 +130,7 @@ def wanted(equations: Equations, of: Sequence[str], known: Sequence[str]) -> Wan
         If a name means nothing; the nearest one is suggested.
     """
     channels = [c.name for c in equations.channels]
-    found = Wanted()
+    found = RequestedNames()
     for name in of:
         match = _FIGURE.fullmatch(name)
         if match and match[1] in KINDS and match[2] in channels:

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.integrate.course import Carried, Course
+from vehicledyn.integrate.course import Course, MethodState
 from vehicledyn.integrate.fixed_step import FixedSteps
 from vehicledyn.integrate.simulate import Solver, make_task
 from vehicledyn.integrate.task import EachStep, Happened, Sink, Statistics, StepError
@@ -103,7 +103,7 @@ class RunPlan:
         progress: Progress,
         course: Course | None = None,
         each_step: EachStep | None = None,
-        carried: Carried | None = None,
+        carried: MethodState | None = None,
     ) -> Statistics:
         """Integrate a piece of the run, from look to look.
 

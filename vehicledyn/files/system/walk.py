@@ -18,7 +18,7 @@ _VECTORS = ("polar", "axial", "sectional", "diagonal")
 
 
 @dataclass(frozen=True)
-class Found:
+class PlacedExpression:
     """An expression of a file: where it stands and what it must be.
 
     ``unit`` is empty where any will do; ``variables`` is what it may use besides parameters,
@@ -66,7 +66,9 @@ class _Units:
         return unit.format(length=self.length, force=self.force, inertia=inertia)
 
 
-def walk(file: SystemFile, coordinates: dict[str, Coordinate]) -> Iterator[Found | Reference]:
+def walk(
+    file: SystemFile, coordinates: dict[str, Coordinate]
+) -> Iterator[PlacedExpression | Reference]:
     """Yield all expressions and references of a file but those of parameters and starts."""
     for field in type(file).model_fields:
         value = getattr(file, field)
@@ -84,7 +86,7 @@ def walk(file: SystemFile, coordinates: dict[str, Coordinate]) -> Iterator[Found
 
 def _walk(
     item: ParameterSet, place: Place, body: str, units: _Units
-) -> Iterator[Found | Reference]:
+) -> Iterator[PlacedExpression | Reference]:
     if not isinstance(item, SystemSet):
         return
     for name in type(item).model_fields:
@@ -103,13 +105,15 @@ def _walk(
                 yield from _walk(joint, (*here, number), body, _units_of_joint(joint, body))
 
 
-def _expressions(item: ParameterSet, name: str, place: Place, units: _Units) -> Iterator[Found]:
+def _expressions(
+    item: ParameterSet, name: str, place: Place, units: _Units
+) -> Iterator[PlacedExpression]:
     unit = fact(type(item), name, "measure")
     if unit is None:
         return
     for index, expression in expressions(item, name):
         k = index[0] + 1 if index else 0
-        yield Found(
+        yield PlacedExpression(
             (*place, *index),
             expression,
             units.put_into(unit.replace("{k}", str(k))),

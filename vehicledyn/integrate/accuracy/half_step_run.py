@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from vehicledyn.base.errors import NumericalError
-from vehicledyn.integrate.accuracy.monitored_run import KINETIC, MonitoredRun, Way
+from vehicledyn.integrate.accuracy.monitored_run import KINETIC, MethodAndStep, MonitoredRun
 from vehicledyn.integrate.accuracy.windows import WindowStart, is_cheap, may_be_repeated, order_of
 from vehicledyn.integrate.channel_ranges import Ranges
 from vehicledyn.integrate.estimated_accuracy import ENERGY
@@ -120,7 +120,7 @@ def look_at_start(watch: MonitoredRun, place: WindowStart) -> Moved:
     return Moved(_richardson(watch, better) * error, name, own.steps + half.steps)
 
 
-def _all_again(watch: MonitoredRun, better: Way, *, ended_early: bool) -> Moved:
+def _all_again(watch: MonitoredRun, better: MethodAndStep, *, ended_early: bool) -> Moved:
     """Return how far the figures of the whole run move."""
     half = taken_again(watch, watch.places[0], intervals_of(watch), better)
     if ended_early and half.got_through:
@@ -134,7 +134,7 @@ def _part_again(
     watch: MonitoredRun,
     places: list[WindowStart],
     errors: Vector,
-    better: Way,
+    better: MethodAndStep,
     share: float,
 ) -> Moved:
     """Return how far the channels move in a part of the run, where windows differ most."""
@@ -158,12 +158,12 @@ def _length_of_part(watch: MonitoredRun, share: float, least: int) -> int:
 
 
 def _both(
-    watch: MonitoredRun, place: WindowStart, count: int, better: Way
+    watch: MonitoredRun, place: WindowStart, count: int, better: MethodAndStep
 ) -> tuple[RepeatedPart, RepeatedPart]:
     """Return a part of the run as it was, and taken again in a better way."""
     own = _known_part(watch, place, count)
     if own is None:
-        own = taken_again(watch, place, count, Way(watch.grid.method, watch.grid.step))
+        own = taken_again(watch, place, count, MethodAndStep(watch.grid.method, watch.grid.step))
     return own, taken_again(watch, place, count, better)
 
 
@@ -177,7 +177,7 @@ def _known_part(watch: MonitoredRun, place: WindowStart, count: int) -> Repeated
     return again
 
 
-def _richardson(watch: MonitoredRun, better: Way) -> float:
+def _richardson(watch: MonitoredRun, better: MethodAndStep) -> float:
     """Return the error of the run in parts of how far a better way leads elsewhere."""
     power = (watch.grid.step / better.step) ** order_of(watch.grid.method)
     return power / (power - 1.0) if better.method == watch.grid.method else 1.0
@@ -194,7 +194,7 @@ def ends_without_reason(watch: MonitoredRun) -> bool:
     return taken_again(watch, before, count, better).got_through
 
 
-def _better_way(watch: MonitoredRun, *, ended_early: bool) -> Way:
+def _better_way(watch: MonitoredRun, *, ended_early: bool) -> MethodAndStep:
     """Return a more accurate way: half the step, or a method of higher order.
 
     What ended a run early is taken again with a step that is known to be stable.
@@ -203,10 +203,10 @@ def _better_way(watch: MonitoredRun, *, ended_early: bool) -> Way:
     if ended_early:
         stable = watch.stable_step()
         most = _FINEST if stable is None else math.ceil(step / stable)
-        return Way(method, step / max(2, min(_FINEST, most)))
+        return MethodAndStep(method, step / max(2, min(_FINEST, most)))
     if method == Method.SYMPLECTIC_EULER:
-        return Way(Method.RK4, step if watch.divided == 2 else step / watch.divided)
-    return Way(method, step / watch.divided)
+        return MethodAndStep(Method.RK4, step if watch.divided == 2 else step / watch.divided)
+    return MethodAndStep(method, step / watch.divided)
 
 
 def intervals_of(watch: MonitoredRun) -> int:
@@ -214,7 +214,9 @@ def intervals_of(watch: MonitoredRun) -> int:
     return max(1, watch.taken - 1)
 
 
-def may_be_taken(watch: MonitoredRun, way: Way, count: int, *, times: float = 1.0) -> bool:
+def may_be_taken(
+    watch: MonitoredRun, way: MethodAndStep, count: int, *, times: float = 1.0
+) -> bool:
     """Return whether so many intervals may be taken again in some way at any time.
 
     They may cost so many ``times`` what is cheap.
@@ -222,7 +224,9 @@ def may_be_taken(watch: MonitoredRun, way: Way, count: int, *, times: float = 1.
     return is_cheap(watch.kernel, way.method, count * watch.grid.interval / way.step / times)
 
 
-def taken_again(watch: MonitoredRun, place: WindowStart, count: int, way: Way) -> RepeatedPart:
+def taken_again(
+    watch: MonitoredRun, place: WindowStart, count: int, way: MethodAndStep
+) -> RepeatedPart:
     """Take some intervals again from a place."""
     channels = watch.judged.channels
     kept = watch.judged.kept(count) if watch.kept is not None else None

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from vehicledyn.integrate.accuracy.monitor import AccuracyMonitor, Windows, finer_steps, most_bound
-from vehicledyn.integrate.accuracy.monitored_run import Way
+from vehicledyn.integrate.accuracy.monitored_run import MethodAndStep
 from vehicledyn.integrate.accuracy.windows import (
     HALF,
     SPENT,
@@ -139,7 +139,9 @@ class LaneMonitor:
             return None
         known, again = (self._outputs(values) for values in (samples, half))
 
-        def rerun(place: WindowStart, _: float, count: int, way: Way, sink: Sink) -> Statistics:
+        def rerun(
+            place: WindowStart, _: float, count: int, way: MethodAndStep, sink: Sink
+        ) -> Statistics:
             parts = round(self.grid.step / way.step)
             if place.index or parts > 2 or not math.isclose(way.step * parts, self.grid.step):
                 raise _OtherRunError

@@ -53,14 +53,14 @@ class DivergenceError(NumericalError):
 
 
 @dataclass(frozen=True)
-class Way:
+class MethodAndStep:
     """How a part of a run is taken again: method as in ``March``, and its step [s]."""
 
     method: int
     step: float
 
 
-Rerun: TypeAlias = Callable[[WindowStart, float, int, Way, Sink], Statistics]
+Rerun: TypeAlias = Callable[[WindowStart, float, int, MethodAndStep, Sink], Statistics]
 """Takes a run again from a place, so many intervals of a length [s], in another way."""
 
 

@@ -13,7 +13,7 @@ from vehicledyn.integrate.accuracy.half_step_run import (
     may_be_taken,
     taken_again,
 )
-from vehicledyn.integrate.accuracy.monitored_run import MonitoredRun, Way
+from vehicledyn.integrate.accuracy.monitored_run import MethodAndStep, MonitoredRun
 from vehicledyn.integrate.accuracy.proposed_step import dividing_step
 from vehicledyn.integrate.accuracy.windows import order_of
 
@@ -95,7 +95,7 @@ class _Halvings:
         watch, count = self._watch, intervals_of(self._watch)
         before: RepeatedPart | None = None
         for halvings in range(_MOST_HALVINGS + 1):
-            way = Way(watch.grid.method, self._begin / 2**halvings)
+            way = MethodAndStep(watch.grid.method, self._begin / 2**halvings)
             if not may_be_taken(watch, way, count):
                 return
             again = taken_again(watch, watch.places[0], count, way)

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from vehicledyn.codegen.ir.table_rows import TableRows
-from vehicledyn.integrate.course import Carried
+from vehicledyn.integrate.course import MethodState
 from vehicledyn.integrate.events import Point
 from vehicledyn.integrate.newmark.compiled_steps import CompiledLoop, StateLayout
 from vehicledyn.integrate.newmark.constrained_place import ConstrainedPlace
@@ -91,7 +91,7 @@ class CompiledConstrainedSteps(CompiledLoop[ConstrainedPlace]):
         """Return the place from which a run goes on, see :meth:`ConstrainedSteps.resumed`."""
         return self._steps.resumed(point, numbers)
 
-    def carried(self, place: ConstrainedPlace) -> Carried:
+    def carried(self, place: ConstrainedPlace) -> MethodState:
         """Return what a run goes on with behind a place."""
         return self._steps.carried(place)
 

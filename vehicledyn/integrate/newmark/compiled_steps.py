@@ -9,7 +9,7 @@ from typing import Any, Generic, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.integrate.course import Carried
+from vehicledyn.integrate.course import MethodState
 from vehicledyn.integrate.events import Point
 from vehicledyn.integrate.newmark.matrix_pattern import matrix_pattern
 from vehicledyn.integrate.newmark.matrix_storage import enter_pattern, matrix_storage
@@ -77,7 +77,7 @@ class CompiledLoop(ABC, Generic[P]):
         """Return the place from which a run goes on whose piece has ended with these numbers."""
 
     @abstractmethod
-    def carried(self, place: P) -> Carried:
+    def carried(self, place: P) -> MethodState:
         """Return what a run goes on with behind a place."""
 
     @abstractmethod
@@ -230,9 +230,9 @@ class CompiledSteps(CompiledLoop[ReducedPlace]):
         """Return the place from which a run goes on, see :meth:`ReducedForm.resumed`."""
         return self._form.resumed(point, numbers, self.task.ledger)
 
-    def carried(self, place: ReducedPlace) -> Carried:
+    def carried(self, place: ReducedPlace) -> MethodState:
         """Return what a run goes on with behind a place."""
-        return Carried(self._form.numbers(place))
+        return MethodState(self._form.numbers(place))
 
     def error(self, before: ReducedPlace, after: ReducedPlace) -> float:
         """Return the largest local error of a step about; the compiled loop finds its own."""

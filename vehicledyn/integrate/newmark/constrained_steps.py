@@ -30,7 +30,7 @@ from __future__ import annotations
 import numpy as np
 
 from vehicledyn.base.errors import NumericalError
-from vehicledyn.integrate.course import Carried
+from vehicledyn.integrate.course import MethodState
 from vehicledyn.integrate.events import Point
 from vehicledyn.integrate.newmark.constrained_place import (
     ConstrainedPlace,
@@ -174,9 +174,9 @@ class ConstrainedSteps:
         """Return the place from which steps go on that end a piece of a run with these numbers."""
         return resumed_place(self._functions, point, numbers, is_stabilised=self.is_stabilised)
 
-    def carried(self, place: ConstrainedPlace) -> Carried:
+    def carried(self, place: ConstrainedPlace) -> MethodState:
         """Return what a run goes on with behind a place; nothing where the motion starts anew."""
-        return Carried(place.numbers, holds_constraints=True)
+        return MethodState(place.numbers, holds_constraints=True)
 
     def step(self, place: ConstrainedPlace, end: float) -> ConstrainedPlace | None:
         """Return the end of a step, or None where Newton's method does not converge."""

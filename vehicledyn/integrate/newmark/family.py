@@ -17,7 +17,7 @@ from typing import Any, Generic, Protocol, TypeVar
 
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.codegen.toolchain.compiler import CompilationError
-from vehicledyn.integrate.course import Carried
+from vehicledyn.integrate.course import MethodState
 from vehicledyn.integrate.events import Point
 from vehicledyn.integrate.explicit_pairs.adaptive_run import steepest_state
 from vehicledyn.integrate.fixed_step import steps_per_interval
@@ -60,7 +60,7 @@ class _Steps(Protocol[P]):
 
     def resumed(self, point: Point, numbers: Vector) -> P: ...
 
-    def carried(self, place: P) -> Carried: ...
+    def carried(self, place: P) -> MethodState: ...
 
     def step(self, place: P, end: float) -> P | None: ...
 

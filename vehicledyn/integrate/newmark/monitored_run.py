@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from vehicledyn.integrate.accuracy.monitored_run import Rerun, Way
+from vehicledyn.integrate.accuracy.monitored_run import MethodAndStep, Rerun
 from vehicledyn.integrate.accuracy.windows import Grid, WindowStart
 from vehicledyn.integrate.fixed_step import steps_per_interval, watch_of
 from vehicledyn.integrate.newmark.family import run_newmark
@@ -59,7 +59,7 @@ def rerun_of(solver: Any) -> Rerun:
     """Return what takes a part of a run again with other steps."""
 
     def taken_again(
-        place: WindowStart, interval: float, count: int, way: Way, sink: Sink
+        place: WindowStart, interval: float, count: int, way: MethodAndStep, sink: Sink
     ) -> Statistics:
         return simulate(
             place.kernel,

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from vehicledyn.base.errors import NumericalError
-from vehicledyn.integrate.course import Carried
+from vehicledyn.integrate.course import MethodState
 from vehicledyn.integrate.events import Point
 from vehicledyn.integrate.newmark.matrix_pattern import matrix_pattern
 from vehicledyn.integrate.newmark.weights import Weights
@@ -147,9 +147,9 @@ class ReducedSteps:
         """Return the place from which a run goes on, see :meth:`ReducedForm.resumed`."""
         return self._form.resumed(point, numbers, self._task.ledger)
 
-    def carried(self, place: ReducedPlace) -> Carried:
+    def carried(self, place: ReducedPlace) -> MethodState:
         """Return what a run goes on with behind a place."""
-        return Carried(self._form.numbers(place))
+        return MethodState(self._form.numbers(place))
 
     def step(self, place: ReducedPlace, end: float) -> ReducedPlace | None:
         """Return the end of a step, or None where Newton's method does not converge."""

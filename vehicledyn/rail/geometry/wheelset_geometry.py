@@ -64,7 +64,7 @@ class WheelsetOnTrack:
         )
 
 
-class Standing(NamedTuple):
+class WheelsetPosition(NamedTuple):
     """A wheelset that stands on both rails.
 
     ``lateral`` is positive to the left, ``yaw`` about the upward axis, ``roll`` positive when
@@ -88,7 +88,7 @@ class Jump(NamedTuple):
     places: tuple[float, float]
 
 
-def stand(wheelset: WheelsetOnTrack, lateral: float, yaw: float = 0.0) -> Standing:
+def stand(wheelset: WheelsetOnTrack, lateral: float, yaw: float = 0.0) -> WheelsetPosition:
     """Return how a wheelset stands on both rails at a lateral shift and yaw.
 
     Parameters
@@ -109,7 +109,7 @@ def stand(wheelset: WheelsetOnTrack, lateral: float, yaw: float = 0.0) -> Standi
     return wheelset.memory.recall_or_raise("stand", (lateral, yaw), find, InputError)
 
 
-def _standing(wheelset: WheelsetOnTrack, lateral: float, yaw: float) -> Standing:
+def _standing(wheelset: WheelsetOnTrack, lateral: float, yaw: float) -> WheelsetPosition:
     roll = _approximate_roll(wheelset, lateral, yaw)
     for _ in range(_CORRECTIONS):
         pose = Pose(lateral, 0.0, roll, yaw, wheelset.curvature)
@@ -119,7 +119,7 @@ def _standing(wheelset: WheelsetOnTrack, lateral: float, yaw: float) -> Standing
             break
         roll -= rest / (_rate_of(left, pose) + _rate_of(right, pose.mirrored()))
     height = -0.5 * float(left.gap[0] + right.gap[0])
-    return Standing(
+    return WheelsetPosition(
         lateral,
         yaw,
         roll,
@@ -129,7 +129,7 @@ def _standing(wheelset: WheelsetOnTrack, lateral: float, yaw: float) -> Standing
     )
 
 
-def stand_level(wheelset: WheelsetOnTrack, lateral: float, yaw: float = 0.0) -> Standing:
+def stand_level(wheelset: WheelsetOnTrack, lateral: float, yaw: float = 0.0) -> WheelsetPosition:
     """Return where the lowest gaps are while the wheelset is kept from rolling.
 
     Both wheels are lowered on their own, as EN 15302 does for the rolling radius difference;
@@ -145,7 +145,7 @@ def stand_level(wheelset: WheelsetOnTrack, lateral: float, yaw: float = 0.0) -> 
         if len(touch.gap) == 0:
             raise InputError(f"{_at(lateral)} the {side} wheel is not above its rail")
     heights = [float(touch.gap[0]) for touch in (left, right)]
-    return Standing(
+    return WheelsetPosition(
         lateral,
         yaw,
         0.0,
@@ -155,7 +155,7 @@ def stand_level(wheelset: WheelsetOnTrack, lateral: float, yaw: float = 0.0) -> 
     )
 
 
-def find_jumps(wheelset: WheelsetOnTrack, standing: Sequence[Standing]) -> list[Jump]:
+def find_jumps(wheelset: WheelsetOnTrack, standing: Sequence[WheelsetPosition]) -> list[Jump]:
     """Return the shifts, between those given, at which a contact leaps to another place.
 
     Halving the interval, down to a micrometre, distinguishes a jump from a fast but steady
@@ -163,7 +163,7 @@ def find_jumps(wheelset: WheelsetOnTrack, standing: Sequence[Standing]) -> list[
     """
     known = {position.lateral: position for position in standing}
 
-    def between(before: Standing, after: Standing) -> Standing:
+    def between(before: WheelsetPosition, after: WheelsetPosition) -> WheelsetPosition:
         lateral = 0.5 * (before.lateral + after.lateral)
         if lateral not in known:
             known[lateral] = stand(wheelset, lateral, before.yaw)
@@ -176,9 +176,9 @@ def find_jumps(wheelset: WheelsetOnTrack, standing: Sequence[Standing]) -> list[
     return sorted(jumps)
 
 
-def mirrored(standing: Standing) -> Standing:
+def mirrored(standing: WheelsetPosition) -> WheelsetPosition:
     """Return how a symmetric wheelset without yaw stands at the opposite shift."""
-    return Standing(
+    return WheelsetPosition(
         -standing.lateral,
         -standing.yaw,
         -standing.roll,
@@ -190,10 +190,10 @@ def mirrored(standing: Standing) -> Standing:
 
 def _jumps_between(
     wheelset: WheelsetOnTrack,
-    before: Standing,
-    after: Standing,
+    before: WheelsetPosition,
+    after: WheelsetPosition,
     side: str,
-    between: Callable[[Standing, Standing], Standing],
+    between: Callable[[WheelsetPosition, WheelsetPosition], WheelsetPosition],
 ) -> list[Jump]:
     step = after.lateral - before.lateral
     first, last = _place(before, side), _place(after, side)
@@ -213,7 +213,7 @@ def _jumps_between(
     ]
 
 
-def _rate(wheelset: WheelsetOnTrack, standing: Standing, side: str) -> float:
+def _rate(wheelset: WheelsetOnTrack, standing: WheelsetPosition, side: str) -> float:
     """Return how fast the contact moves over the wheel as the wheelset shifts to the left [1].
 
     Both slopes stay equal: z_w'' ds = z_r'' (ds + dy), roll and yaw left out.
@@ -227,7 +227,7 @@ def _rate(wheelset: WheelsetOnTrack, standing: Standing, side: str) -> float:
     return outwards * of_rail / (of_wheel - of_rail) if of_wheel != of_rail else np.inf
 
 
-def _place(standing: Standing, side: str) -> float:
+def _place(standing: WheelsetPosition, side: str) -> float:
     return float(getattr(standing, side).place[0])
 
 

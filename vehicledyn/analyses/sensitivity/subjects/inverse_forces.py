@@ -22,7 +22,13 @@ from vehicledyn.analyses.mechanism.inverse_report import prepared_motion, sample
 from vehicledyn.analyses.preparation.build_model import build_subject
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.analyses.sensitivity.motion_study import check_size
-from vehicledyn.analyses.sensitivity.names import START, Directions, Wanted, directions, wanted
+from vehicledyn.analyses.sensitivity.names import (
+    START,
+    Directions,
+    RequestedNames,
+    directions,
+    wanted,
+)
 from vehicledyn.analyses.sensitivity.subjects.motion_law import GivenMotion
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.step_memory import Memory
@@ -102,7 +108,7 @@ def _inner(name: str) -> str:
     return match[1].strip()
 
 
-def _needed(asked: Wanted, figures: dict[str, DriveFigure]) -> list[str]:
+def _needed(asked: RequestedNames, figures: dict[str, DriveFigure]) -> list[str]:
     """Return the channels behind everything that is asked for."""
     own = [figures[name].channel for name in asked.others]
     return list(dict.fromkeys([*asked.curves, *[name for _, name in asked.figures], *own]))
@@ -225,7 +231,7 @@ class _Path:
 def _table(
     loaded: LoadedScenario,
     path: _Path,
-    asked: Wanted,
+    asked: RequestedNames,
     figures: dict[str, DriveFigure],
     progress: Progress,
 ) -> SensitivityTable:

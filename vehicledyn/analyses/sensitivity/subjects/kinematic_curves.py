@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.analyse.continuation import SingularPlace, Way
+from vehicledyn.analyse.continuation import PathOutcome, SingularPlace
 from vehicledyn.analyses.mechanism.axle_characteristics import axle_columns
 from vehicledyn.analyses.mechanism.driven_mechanism import Mechanism, mechanism
 from vehicledyn.analyses.mechanism.instant_axes import axis_channels, axis_values
@@ -53,7 +53,7 @@ _SINGULAR = 1e-10
 _ASIDE = 1e-40j
 """Step into the complex plane, so small that its square is nothing."""
 
-KINDS = Way, SingularPlace
+KINDS = PathOutcome, SingularPlace
 """Results of steps that a memory knows."""
 
 

@@ -24,7 +24,7 @@ from vehicledyn.analyses.simulation.partitions.singularity_crossing import Sampl
 from vehicledyn.analyses.simulation.run_plan import Point, RunPlan
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.integrate.accuracy.monitored_run import DivergenceError
-from vehicledyn.integrate.course import Carried, Course, reading_history
+from vehicledyn.integrate.course import Course, MethodState, reading_history
 from vehicledyn.integrate.task import Statistics, joined
 from vehicledyn.kernel.kernel import Kernel
 
@@ -63,7 +63,7 @@ class ProjectedRun:
     _last: Sample | None = field(default=None, init=False)
     _jacobian: Vector | None = field(default=None, init=False)
     _is_first: bool = field(default=True, init=False)
-    _carried: Carried = field(default_factory=Carried, init=False)
+    _carried: MethodState = field(default_factory=MethodState, init=False)
 
     @cached_property
     def _watch(self) -> PartitionMonitor:

@@ -17,7 +17,7 @@ from vehicledyn.analyses.simulation.partitions.projected_run import ProjectedRun
 from vehicledyn.analyses.simulation.run_plan import RunPlan
 from vehicledyn.analyses.simulation.sample_delivery import Delivery
 from vehicledyn.integrate.accuracy.monitor import AccuracyMonitor
-from vehicledyn.integrate.accuracy.monitored_run import Way
+from vehicledyn.integrate.accuracy.monitored_run import MethodAndStep
 from vehicledyn.integrate.accuracy.proposed_step import proposed_step
 from vehicledyn.integrate.accuracy.windows import Grid, WindowStart
 from vehicledyn.integrate.course import Course
@@ -159,7 +159,7 @@ class _Pieces:
         return run.go(state, unknowns)
 
     def _again(
-        self, place: WindowStart, interval: float, count: int, way: Way, sink: Sink
+        self, place: WindowStart, interval: float, count: int, way: MethodAndStep, sink: Sink
     ) -> Statistics:
         """Take a part of the run again, see ``Rerun``."""
         stop = place.time + count * interval

@@ -20,7 +20,7 @@ from vehicledyn.files.system.assembly_sets import AssemblySet
 from vehicledyn.files.system.joints import Coordinate, FixedTurn
 from vehicledyn.files.system.rail_wheels import RailWheelSet
 from vehicledyn.files.system.sets import BodySet, Sections, SystemFile, WheelSet
-from vehicledyn.files.system.walk import Found, Reference, walk
+from vehicledyn.files.system.walk import PlacedExpression, Reference, walk
 from vehicledyn.multibody.model.ground import GROUND
 
 _SECTIONS = tuple(name for name in Sections.model_fields if name != "assemblies")
@@ -130,7 +130,7 @@ def interface_problems(
             yield item.place, f"'{used}' {hint}, or make a connection of it"
 
 
-def _lost(item: Found | Reference, rig: Rig, asked: set[str | None]) -> list[str]:
+def _lost(item: PlacedExpression | Reference, rig: Rig, asked: set[str | None]) -> list[str]:
     """Return the names in a part that an assembly would not have: ``asked`` are connections."""
     if isinstance(item, Reference):
         left_out = {"body": rig.sections["bodies"], "coordinate": rig.coordinates}

@@ -23,7 +23,7 @@ from vehicledyn.files.system.joints import Coordinate
 from vehicledyn.files.system.places import Place as PointOfBody
 from vehicledyn.files.system.sets import BodySet, Sections, SystemFile
 from vehicledyn.files.system.track_frame import track_frame_problems
-from vehicledyn.files.system.walk import Found, Reference, walk
+from vehicledyn.files.system.walk import PlacedExpression, Reference, walk
 from vehicledyn.multibody.model.ground import GROUND
 
 Problems = Iterator[tuple[Place, str]]
@@ -160,7 +160,7 @@ def _reference(item: Reference, known: _Known) -> Problems:
         yield item.place, unknown_name("cut or constraint", item.name, known.constraints)
 
 
-def _expression(item: Found, known: _Known) -> Problems:
+def _expression(item: PlacedExpression, known: _Known) -> Problems:
     if known.failed(item.expression):
         return
     extra = known.variables.of(item.variables, item.length, item.points)
@@ -185,7 +185,7 @@ def _expression(item: Found, known: _Known) -> Problems:
         )
 
 
-def _impossible(item: Found, names: Mapping[str, Any]) -> Problems:
+def _impossible(item: PlacedExpression, names: Mapping[str, Any]) -> Problems:
     """Yield what has no value whatever the names are worth, such as a division by zero."""
     try:
         item.expression.value(Unknown(names), NUMBERS)
@@ -213,7 +213,7 @@ def unfit(measure: Any, unit: str, *, is_vector: bool) -> Iterator[tuple[tuple[i
             yield (k,) if is_vector else (), misfit(part, unit)
 
 
-def _bounds(item: Found, known: _Known) -> Problems:
+def _bounds(item: PlacedExpression, known: _Known) -> Problems:
     try:
         value = item.expression.value(known.values, NUMBERS)
     except ExpressionError as error:
@@ -230,7 +230,7 @@ def _bounds(item: Found, known: _Known) -> Problems:
         yield from _vague_start(item, float(value))
 
 
-def _vague_start(item: Found, value: float) -> Problems:
+def _vague_start(item: PlacedExpression, value: float) -> Problems:
     """Yield that numbers so large are too far apart to say where a motion starts."""
     apart = math.ulp(value)
     if apart > COARSEST_START:
@@ -253,7 +253,7 @@ def _initial(file: SystemFile, known: _Known) -> Problems:
         if coordinate.name in known.driven:
             yield place, f"'{coordinate.name}' is driven; its law says where it starts"
         unit = f"{coordinate.unit}/s" if rate else coordinate.unit
-        found = Found(place, expression, unit, False, "", None, None, "m", ())
+        found = PlacedExpression(place, expression, unit, False, "", None, None, "m", ())
         yield from _expression(found, known)
 
 
@@ -274,7 +274,9 @@ def _switches(file: SystemFile, known: _Known) -> Problems:
         place = ("switches", name)
         if name in known.coordinates or name in known.parameters.declared:
             yield place, f"'{name}' is also a coordinate or parameter; take another name"
-        yield from _expression(Found(place, start, "1", False, "", None, None, "m", ()), known)
+        yield from _expression(
+            PlacedExpression(place, start, "1", False, "", None, None, "m", ()), known
+        )
 
 
 def _events(file: SystemFile, known: _Known) -> Problems:
@@ -306,7 +308,7 @@ def _events(file: SystemFile, known: _Known) -> Problems:
             else:
                 is_rate = key != coordinate.name
                 unit = f"{coordinate.unit}/s" if is_rate else coordinate.unit
-            item = Found(here, expression, unit, False, "event", None, None, "m", points)
+            item = PlacedExpression(here, expression, unit, False, "event", None, None, "m", points)
             yield from _expression(item, known)
 
 
