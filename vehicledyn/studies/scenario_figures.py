@@ -10,7 +10,7 @@ import numpy as np
 
 from vehicledyn.analyse.gradients.key_figures import FigureSlope, unit_of
 from vehicledyn.analyses.preparation.prepared import Progress
-from vehicledyn.analyses.sensitivity.confirmation import unconfirmed
+from vehicledyn.analyses.sensitivity.confirmation import unconfirmed_of
 from vehicledyn.analyses.sensitivity.driving_failures import driving_failure
 from vehicledyn.analyses.sensitivity.figure_names import check_figures
 from vehicledyn.analyses.sensitivity.known_analyses import ANALYSES, RUN, analysis_of
@@ -171,10 +171,7 @@ class RunFigures:
         e, kernel = study.prepared.equations, study.prepared.kernel
         chosen = directions(e, kernel.parameters, study.start.state, list(point))
         motion = study.followed(chosen, _silent)
-        own = {e.channels[k].name: place for place, k in enumerate(study.channels)}
-        figures = self.asked.figures
-        judged = range(len(own)) if self.asked.others else [own[c] for _, c in figures]
-        return unconfirmed(study, chosen, motion, list(dict.fromkeys(judged)))
+        return unconfirmed_of(study, chosen, motion, self.asked)
 
 
 @dataclass(frozen=True)

@@ -44,7 +44,8 @@ def test_a_jump_that_moves_between_samples_is_told(begin, told):
     study = SimpleNamespace(prepared=prepared, channels=[0], moved=moved)
     quantities = [SimpleNamespace(name=name) for name in ("height", "begin")]
     chosen = SimpleNamespace(quantities=quantities, values=np.array([2.0, begin]))
-    slopes = np.array([[1.0, 0.0], [0.5, 0.0]])
-    notes = confirmation.unconfirmed_sums(study, chosen, [("max", 0), ("mean", 0)], slopes)
+    here = moved({"height": 2.0, "begin": begin}).plain(None)
+    here.slopes = np.stack([times, 0.0 * times], axis=1)[:, None]
+    notes = confirmation.unconfirmed_sums(study, chosen, here, [("max", 0), ("mean", 0)])
     assert bool(notes) is told
     assert not told or "'mean(rate)'" in notes[0]

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from vehicledyn.analyse.gradients.key_figures import figure_slope
 from vehicledyn.analyse.gradients.motion_slopes import MotionSlopes
 from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
-from vehicledyn.analyses.sensitivity.names import START, Directions
+from vehicledyn.analyses.sensitivity.names import START, Directions, Wanted
 from vehicledyn.base.errors import NumericalError
 
 Floats = NDArray[np.float64]
@@ -110,11 +110,36 @@ def unconfirmed_figure(
     ]
 
 
+def unconfirmed_of(
+    study: MotionStudy, chosen: Directions, motion: MotionSlopes, asked: Wanted
+) -> list[str]:
+    """Return warnings of all that is asked for which differences of runs do not confirm.
+
+    Parameters
+    ----------
+    study, chosen, motion
+        As for :func:`unconfirmed`.
+    asked
+        Curves and figures, those of the run by any of the study's channels.
+    """
+    e = study.prepared.equations
+    places = {e.channels[k].name: place for place, k in enumerate(study.channels)}
+    names = [*asked.curves, *(name for _, name in asked.figures)]
+    judged = range(len(places)) if asked.others else [places[n] for n in dict.fromkeys(names)]
+    notes = unconfirmed(study, chosen, motion, judged)
+    figures = [
+        (kind, places[name])
+        for kind, name in asked.figures
+        if not any(f"'{name}'" in note for note in notes)
+    ]
+    return [*notes, *unconfirmed_sums(study, chosen, motion, figures)]
+
+
 def unconfirmed_sums(
     study: MotionStudy,
     chosen: Directions,
+    motion: MotionSlopes,
     figures: Sequence[tuple[str, int]],
-    slopes: Floats,
 ) -> list[str]:
     """Return warnings of sums over samples that differences of runs do not confirm.
 
@@ -123,26 +148,31 @@ def unconfirmed_sums(
 
     Parameters
     ----------
-    study, chosen
+    study, chosen, motion
         As for :func:`unconfirmed`.
     figures
-        Kinds and places among the study's channels.
-    slopes
-        Their derivatives, shape (n_figures, n_directions).
+        Kinds and places among the study's channels; others than sums are passed over.
     """
-    sums = [row for row, (kind, _) in enumerate(figures) if kind in _SUMS]
+    sums = [(kind, place) for kind, place in figures if kind in _SUMS]
     names = [study.prepared.equations.channels[k].name for k in study.channels]
+    slopes = [_slope(motion, kind, place) for kind, place in sums]
     try:
-        missed = _missed(study, chosen, [figures[row] for row in sums], slopes[sums])
+        missed = _missed(study, chosen, sums, np.array(slopes))
     except NumericalError:  # told of the curves
         return []
-    told = [f"{figures[sums[row]][0]}({names[figures[sums[row]][1]]})" for row in missed]
     return [
         f"warning: runs with parameters changed by 0.1 % do not confirm the derivatives of "
-        f"'{name}', by {part:.0%} of the largest: a jump of the channel moves between its "
-        "samples, or it is very sensitive; they are those of these samples"
-        for name, part in zip(told, missed.values(), strict=True)
+        f"'{sums[row][0]}({names[sums[row][1]]})', by {part:.0%} of the largest: a jump of the "
+        "channel moves between its samples, or it is very sensitive; they are those of these "
+        "samples"
+        for row, part in missed.items()
     ]
+
+
+def _slope(motion: MotionSlopes, kind: str, place: int) -> Floats:
+    """Return the derivatives of a figure of a channel."""
+    values, slopes = motion.values[:, place], motion.slopes[:, place]
+    return figure_slope(kind, motion.times, values, slopes, motion.end_slope).slope
 
 
 def _missed(

@@ -17,11 +17,7 @@ from vehicledyn.analyse.gradients.adjoint import (
 from vehicledyn.analyse.gradients.key_figures import FigureSlope, figure_slope, unit_of
 from vehicledyn.analyse.gradients.motion_slopes import MotionSlopes
 from vehicledyn.analyses.preparation.prepared import Progress
-from vehicledyn.analyses.sensitivity.confirmation import (
-    unconfirmed,
-    unconfirmed_figure,
-    unconfirmed_sums,
-)
+from vehicledyn.analyses.sensitivity.confirmation import unconfirmed_figure, unconfirmed_of
 from vehicledyn.analyses.sensitivity.driving_failures import (
     bent_beams,
     bent_beams_of,
@@ -87,25 +83,9 @@ def _figures_ahead(
     known = list(study.run_figures(motion)) if _needs_run(of, e) else []
     asked_for = wanted(e, of, known)
     table = _table(study, chosen, motion, asked_for)
-    judged = range(len(study.channels)) if _needs_run(of, e) else _places(study, names)
     progress("confirming the derivatives by runs", None)
-    unsure = unconfirmed(study, chosen, motion, judged)
-    others = [
-        (kind, name)
-        for kind, name in asked_for.figures
-        if not any(f"'{name}'" in note for note in unsure)
-    ]
-    rows = [len(asked_for.others) + asked_for.figures.index(item) for item in others]
-    places = [(kind, _places(study, [name])[0]) for kind, name in others]
-    unsure += unconfirmed_sums(study, chosen, places, table.slopes[rows])
+    unsure = unconfirmed_of(study, chosen, motion, asked_for)
     return replace(table, notes=(*table.notes, *unsure))
-
-
-def _places(study: MotionStudy, names: list[str]) -> list[int]:
-    """Return the places of channels among those of a study."""
-    e = study.prepared.equations
-    own = [e.channels[k].name for k in study.channels]
-    return [own.index(name) for name in dict.fromkeys(names)]
 
 
 _BACK_FROM = 64
