@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from vehicledyn.analyse.gradients.key_figures import figure_slope
 from vehicledyn.analyse.gradients.motion_slopes import MotionSlopes
 from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
-from vehicledyn.analyses.sensitivity.names import START, Directions, Wanted
+from vehicledyn.analyses.sensitivity.names import START, Directions, RequestedNames
 from vehicledyn.base.errors import NumericalError
 
 Floats = NDArray[np.float64]
@@ -111,7 +111,7 @@ def unconfirmed_figure(
 
 
 def unconfirmed_of(
-    study: MotionStudy, chosen: Directions, motion: MotionSlopes, asked: Wanted
+    study: MotionStudy, chosen: Directions, motion: MotionSlopes, asked: RequestedNames
 ) -> list[str]:
     """Return warnings of all that is asked for which differences of runs do not confirm.
 
