@@ -6,6 +6,9 @@ import pytest
 from vehicledyn.multibody.equations.derivation import derive
 from vehicledyn.multibody.model.bodies import Body, Joint
 from vehicledyn.multibody.model.system import System
+from vehicledyn.road.manoeuvres.driving_test import DrivingTest
+from vehicledyn.road.manoeuvres.kinds.braking.straight_braking import StraightBraking
+from vehicledyn.road.manoeuvres.kinds.recorded.open_loop import OpenLoop
 from vehicledyn.road.manoeuvres.pedals import STIFFNESS, Pedals
 from vehicledyn.road.vehicle import Corner
 from vehicledyn.symbolic import ops
@@ -51,3 +54,10 @@ def test_a_brake_holds_a_wheel_that_it_has_stopped():
     assert abs(state[spin]) < 1e-9
     held = STIFFNESS * state[names.index("drive.brake_twist_wheel")]
     assert held == pytest.approx(WEIGHT * np.cos(state[names.index("spin")]), rel=1e-6)
+
+
+def test_only_tests_that_brake_to_rest_have_brakes_that_stick():
+    """Elsewhere the twists would be modes of no meaning, and steady turns need none."""
+    assert StraightBraking(torque=1e3).brakes_to_rest()
+    assert OpenLoop(times=[0.0], brake_torques=[0.0]).brakes_to_rest()
+    assert not OpenLoop(times=[0.0]).brakes_to_rest() and not DrivingTest().brakes_to_rest()

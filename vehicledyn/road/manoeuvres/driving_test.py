@@ -163,6 +163,7 @@ class DrivingTest(RoadManoeuvre):
             *gains,
             vehicle.drive,
             vehicle.throttle is not None,
+            self.brakes_to_rest(),
         )
         pedal = vehicle.throttle
         if pedal is not None:
@@ -181,6 +182,10 @@ class DrivingTest(RoadManoeuvre):
     ) -> Callable[[Situation], Scalar] | None:
         """Return a brake torque by the motion in place of that by time, or None [N m]."""
         return None
+
+    def brakes_to_rest(self) -> bool:
+        """Return whether the test brakes by time, so that the car may stop and must stand then."""
+        return any(self.brake_torque().values)
 
     def input_at(self) -> float | None:
         """Return when the test's input begins [s], None where that is no time."""

@@ -12,6 +12,9 @@ from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.equations import Channel, Variable
 from vehicledyn.symbolic.ops import Scalar
 
+_LOCKED = 2.0
+"""Wheel speed below which a torque that does not stick falls to zero [rad/s]."""
+
 STIFFNESS, DAMPING = 1e5, 100.0
 """Of a brake that holds its wheel [N m/rad] and [N m s/rad]."""
 
@@ -41,7 +44,8 @@ class Pedals(BasePart):
     pedal.
     Each wheel is braked by dry friction with its part of the brake torque as limit, which sticks:
     a car that has stopped on a slope does not creep
-    (:mod:`vehicledyn.multibody.elements.driveline.friction_coupling`).
+    (:mod:`vehicledyn.multibody.elements.driveline.friction_coupling`). Where ``sticks`` is False it
+    is M tanh(ω / 2 rad/s), without a state, for tests that do not brake to rest.
     """
 
     chassis: str
@@ -55,11 +59,12 @@ class Pedals(BasePart):
     integral_gain: Scalar
     shaft: str = ""
     by_throttle: bool = False
+    sticks: bool = True
 
     def states(self) -> tuple[Variable, ...]:
         """Return the integral of the speed error, and the twists of the brakes."""
         integral = Variable("speed_error_integral", "m", "Integral of the speed error")
-        braked = () if self.brake is None else self.corners
+        braked = self.corners if self.brake is not None and self.sticks else ()
         words = "Twist of the brake's friction faces"
         return (integral, *(Variable(_twist(c), "rad", f"{words}, {c.name}") for c in braked))
 
@@ -69,8 +74,12 @@ class Pedals(BasePart):
         rates = {"speed_error_integral": gate * self._error(situation)}
         forces: dict[str, Scalar] = {}
         for corner in self.corners if self.brake is not None else ():
-            rate, twist = situation.kinematics.rate(corner.spin), situation.states[_twist(corner)]
-            torque, twisting = self._limit(situation, corner).torque_and_rate(twist, rate)
+            rate, friction = situation.kinematics.rate(corner.spin), self._limit(situation, corner)
+            if not self.sticks:
+                forces[corner.spin] = -friction.limit * ops.tanh(rate / _LOCKED)
+                continue
+            twist = situation.states[_twist(corner)]
+            torque, twisting = friction.torque_and_rate(twist, rate)
             forces[corner.spin] = -torque
             rates[_twist(corner)] = twisting
         if self.by_throttle:

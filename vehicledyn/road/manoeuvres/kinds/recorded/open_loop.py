@@ -79,5 +79,9 @@ class OpenLoop(DrivingTest):
         """Return the brake torque by the table."""
         return self._table(self.brake_torques)
 
+    def brakes_to_rest(self) -> bool:
+        """Return whether there are brake torques, of zero too: they may be changed."""
+        return bool(self.brake_torques)
+
     def _table(self, values: tuple[float, ...]) -> TimeTable:
         return TimeTable(self.times, values) if values else TimeTable()
