@@ -418,3 +418,14 @@ def test_error_that_no_step_meets_is_reported():
     span = {"start": 0.0, "stop": 1.0, "interval": 0.1}
     with pytest.raises(NumericalError, match=r"t = 0\.5299.*error stays too large"):
         simulate(kernel, solver, state=[1.0, 0.0], unknowns=[], sink=Samples(), **span)
+
+
+def test_stabilised_steps_of_fast_motions_converge(four_bar):
+    """Links turn by half a radian in a step, so that the Jacobians of its ends differ much."""
+    steps = ConstrainedSteps(
+        task_of(four_bar, 1.2, 60.0), Weights.newmark(0.25, 0.5), "stabilised_index2"
+    )
+    place = steps.start(Point(0.0, four_bar_state(four_bar.equations, 1.2, 60.0), np.zeros(0)))
+    for k in range(1, 101):
+        place = steps.step(place, 0.008 * k)
+        assert place is not None, k

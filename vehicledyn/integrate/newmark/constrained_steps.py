@@ -109,6 +109,7 @@ class ConstrainedSteps:
         self._matrix = IterationMatrix(self._functions.sizes, self._lightness)
         self._factors: StepFactors | None = None
         self._is_stale = True
+        self._mean: Sparse | None = None
         self._back: tuple[ConstrainedPlace, Vector] | None = None
 
     @property
@@ -389,7 +390,9 @@ class ConstrainedSteps:
         """Return factors for a step of some size [s], of a new Jacobian or of the one before."""
         partials = None if is_new or self._factors is None else self._factors.partials
         if partials is None:
-            partials = self._functions.partials(self._foreseen(place, size), self._parameters)
+            foreseen = self._foreseen(place, size)
+            partials = self._functions.partials(foreseen, self._parameters)
+            self._mean = self._mean_jacobian(place.instant, foreseen)
             self._is_stale = False
-        self._factors = self._matrix.factorised(partials, self._weights, size)
+        self._factors = self._matrix.factorised(partials, self._weights, size, self._mean)
         return self._factors

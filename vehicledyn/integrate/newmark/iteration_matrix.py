@@ -107,8 +107,12 @@ class IterationMatrix:
         self._sizes, self._lightness = sizes, lightness
         self._layout: _Layout | None = None
 
-    def factorised(self, partials: Partials, weights: Weights, h: float) -> StepFactors:
+    def factorised(
+        self, partials: Partials, weights: Weights, h: float, mean: Sparse | None
+    ) -> StepFactors:
         """Return the factors of the matrix of a step of size h [s].
+
+        ``mean`` is the Jacobian of the constraints along which η moves the coordinates.
 
         Rows are those of forces, further states, gaps and openings; columns those of accelerations,
         rates, multipliers and η.
@@ -141,8 +145,8 @@ class IterationMatrix:
             ]
         )
         lever = w.beta * h * scale
-        if self._lightness is not None:
-            arms = lever * arms_of(p.jacobian, self._lightness)
+        if self._lightness is not None and mean is not None:
+            arms = lever * arms_of(mean, self._lightness)
             matrix = self._stabilised(matrix, p, w, (h, scale, lead), arms).tocsc()
         cuts = n, n + k, n + k + m
         return StepFactors(p, h, matrix, _factors(matrix), (lead, scale, lever), cuts)

@@ -71,16 +71,23 @@ class MatrixPattern:
 
 
 def matrix_pattern(kernel: Kernel) -> MatrixPattern:
-    """Return the pattern of a compiled kernel, made once for all its parameter sets."""
+    """Return the pattern of a kernel, made once for all its parameter sets."""
     if "matrix pattern" not in kernel.made:
-        depends, _ = cache.load(
-            cache.key_of(kernel.key, "rates by states"),
-            lambda folder: _written(kernel.equations, folder / "pattern.npy"),
-            lambda path: np.load(path, allow_pickle=False),
-        )
-        kernel.made["matrix pattern"] = pattern_of(kernel.equations, depends)
+        kernel.made["matrix pattern"] = pattern_of(kernel.equations, _depends_of(kernel))
     found: MatrixPattern = kernel.made["matrix pattern"]
     return found
+
+
+def _depends_of(kernel: Kernel) -> Mask:
+    """Return the same as :func:`rates_by_states`, of compiled kernels from the cache."""
+    if not kernel.key:
+        return rates_by_states(kernel.equations)
+    depends: Mask = cache.load(
+        cache.key_of(kernel.key, "rates by states"),
+        lambda folder: _written(kernel.equations, folder / "pattern.npy"),
+        lambda path: np.load(path, allow_pickle=False),
+    )[0]
+    return depends
 
 
 def _written(equations: Equations, path: Path) -> Path:

@@ -40,12 +40,6 @@ _STEPS = 20
 _DEPENDENT = 1e-10
 """Squared sine of the angle between a constraint and others below which it depends on them [1]."""
 _SHARE = 0.3
-_NEAR = 1e-3
-"""What may be left of the distance from the constraints where implicit steps are not put back.
-
-Their rates are those of states put back in any case. Undamped steps stay within some distance for
-ever; put back from time to time they would lose energy.
-"""
 _DENSE = 60
 """Rows up to which a determinant is found by dense elimination."""
 
@@ -219,20 +213,8 @@ class ProjectedRun:
             raise ValueError("no sample has been taken yet")
         if self._carried.holds_constraints:
             return self._last.state, self._last.unknowns
-        left, unknowns = self._last.state, self._last.unknowns
-        state = projected(self.kernel, left, self._last.outputs)
-        if self._carried.numbers is not None and self._is_near(state):
-            return left, unknowns
-        return state, unknowns
-
-    def _is_near(self, state: Vector) -> bool:
-        """Return whether the state that the last sample was put back to is hardly moved again."""
-        last = self._last
-        if last is None:
-            return False
-        outputs = self.kernel.outputs(last.time, state, last.unknowns)
-        again = np.abs(projected(self.kernel, state, outputs) - state).max(initial=0.0)
-        return bool(again <= _NEAR * np.abs(state - last.state).max(initial=0.0))
+        state = projected(self.kernel, self._last.state, self._last.outputs)
+        return state, self._last.unknowns
 
 
 def projected_plan(plan: RunPlan) -> RunPlan:
