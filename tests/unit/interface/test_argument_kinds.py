@@ -50,7 +50,19 @@ def test_every_argument_of_the_front_door_is_checked(name):
             "parameters.body.mass.from: missing; give both bounds",
         ),
         (lambda: vd.contact_geometry("S1002", "60E1", shifts=[]), "shifts: give one value or more"),
-        (lambda: vd.rig("sedan", "twist"), "no test named 'twist'"),
+        (lambda: vd.rig("sedan", "twist"), "test: no test named 'twist'"),
+        (
+            lambda: vd.rig("double_wishbone_axle", "steer", steering="rak"),
+            "steering: no coordinate named 'rak'",
+        ),
+        (
+            lambda: vd.kinematics("four_bar", {"crank.angel": ("0 deg", "9 deg", 2)}),
+            "drives: no coordinate or sensor of positions named 'crank.angel'; did you mean",
+        ),
+        (
+            lambda: vd.kinematics("four_bar", {"crank.angle": ("0 deg", "9 deg", 2)}, hold="x"),
+            "hold: no coordinate named 'x'",
+        ),
         (
             lambda: vd.cam({"follower": {"kind": "flat"}}),
             "cam:1:1: give either a motion with a base_radius, or an outline",

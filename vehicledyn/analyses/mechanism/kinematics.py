@@ -28,7 +28,7 @@ from vehicledyn.analyses.preparation.build_model import build_subject
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.analyses.preparation.target_digest import digests_to_keep
 from vehicledyn.base.argument_names import argument, given
-from vehicledyn.base.errors import InputError
+from vehicledyn.base.errors import InputError, unknown_name
 from vehicledyn.base.ranges import read_range
 from vehicledyn.files.scenario.target import Target
 from vehicledyn.multibody.elements.wheel_angles import WheelAngles
@@ -91,10 +91,11 @@ def sweep_kinematics(
         If the loops cannot be assembled at the start.
     """
     check_output(output)
-    request = _complete(target, request)
+    own, request = request, _complete(target, request)
     progress("assembling the loops", None)
     system = build_subject(target).system
     positions = Positions(system)
+    _check_names(positions, own)
     machine = mechanism(positions, list(request.drives), request.hold)
     drives = _drives(positions, request)
     sensors = [part for part in system.parts if isinstance(part, WheelAngles)]
@@ -141,6 +142,19 @@ def _complete(target: Target, request: Request) -> Request:
         (*request.hold, *section.hold),
         request.columns or section.columns,
     )
+
+
+def _check_names(positions: Positions, request: Request) -> None:
+    """Refuse drives and held coordinates that a caller gives and the model does not have."""
+    channels = [channel.name for channel in positions.channels]
+    coordinates = [coordinate.name for coordinate in positions.coordinates]
+    for name in request.drives:
+        if name not in channels:
+            words = unknown_name("coordinate or sensor of positions", name, channels)
+            raise InputError(f"{argument('drives')}: {words}")
+    for name in request.hold:
+        if name not in coordinates:
+            raise InputError(f"{argument('hold')}: {unknown_name('coordinate', name, coordinates)}")
 
 
 def _drives(positions: Positions, request: Request) -> list[Drive]:

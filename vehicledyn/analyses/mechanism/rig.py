@@ -74,7 +74,10 @@ def run_rig(
         If the loops cannot be assembled at the design position.
     """
     check_output(output)
-    test = named_test(request.test)
+    try:
+        test = named_test(request.test)
+    except InputError as error:
+        raise InputError(f"{argument('test')}: {error}") from None
     values = values_of(test, request.values)
     progress("assembling the axle", None)
     bench = Bench(target, request.steering)

@@ -19,6 +19,7 @@ from vehicledyn.analyses.preparation.build_model import build_subject
 from vehicledyn.analyses.preparation.model_hash import model_facts
 from vehicledyn.analyses.preparation.prepare import BALANCE_TOLERANCE
 from vehicledyn.analyses.preparation.runnable import start_values
+from vehicledyn.base.argument_names import argument
 from vehicledyn.base.errors import InputError, unknown_name
 from vehicledyn.files.scenario.target import Target
 from vehicledyn.multibody.elements.drives import ConstantRate, TimeLaw
@@ -305,7 +306,8 @@ def _steering(system: System, asked: str | None) -> str:
     names = [joint.name for joint in system.joints()]
     if asked is not None:
         if asked not in names:
-            raise InputError(unknown_name("coordinate", asked, names))
+            words = unknown_name("coordinate", asked, names)
+            raise InputError(f"{argument('steering')}: {words}")
         return asked
     racks = [n for n in names if "rack" in n.split(".")]
     return racks[0] if len(racks) == 1 else ""
