@@ -231,5 +231,5 @@ def test_processors_without_wide_registers_get_fewer_lanes(monkeypatch, flags, m
 
 def test_lanes_that_cannot_be():
     kernel = compile_kernel(oscillator(), backend="interpreted")
-    with pytest.raises(InputError, match="choose one of 1, 4 and 8"):
+    with pytest.raises(InputError, match="lanes=3: choose 1, 4 or 8"):
         make_batch(kernel, lanes=3)
