@@ -151,6 +151,8 @@ def test_the_fishhook_turns_back_when_the_roll_rate_falls_between_samples():
         rate = np.radians(way * (20.0 - fall * np.maximum(TIME - 0.2, 0.0)))
         found = test.roll_settled(signals(roll_rate=rate))
         assert found == pytest.approx(0.1 + (20.0 - limit) / fall, abs=1e-9)
+        late = np.where(TIME < 0.15, 0.0, rate)
+        assert test.roll_settled(signals(roll_rate=late)) == pytest.approx(found, abs=1e-9)
     assert math.isnan(test.roll_settled(signals(roll_rate=np.ones_like(TIME))))
     assert test.roll_settled(signals(roll_rate=np.zeros_like(TIME))) == 0.0
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from vehicledyn.analyses.handling.lane_changes import run_lane_changes
-from vehicledyn.analyses.handling.standard_tests import StandardTests
+from vehicledyn.analyses.handling.standard_tests import USUAL_RATIO, StandardTests
 from vehicledyn.analyses.handling.steady import SteadyRequest, memory_of, steady_sheets
 from vehicledyn.analyses.handling.steady_turn import solver_for
 from vehicledyn.analyses.handling.tested_car import CONTROL, TestedCar
@@ -50,7 +50,10 @@ def handling_table(
     tests.tried("lane changes", lambda: run_lane_changes(tests, backend=backend))
     notes = [*steady.notes, *tests.notes]
     if car.steering_ratio == 1.0:
-        notes.append("steering angles are those of the front wheels: it has no steering_ratio")
+        notes.append(
+            "steering angles are those of the front wheels, and rates of the steering wheel are "
+            f"divided by {USUAL_RATIO:g}: it has no steering_ratio"
+        )
     return replace(
         steady,
         title="Handling tests",

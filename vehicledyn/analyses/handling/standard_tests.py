@@ -60,6 +60,12 @@ SPLIT_SPEED, SPLIT_DECELERATION, SPLIT_DURATION = _MOTORWAY, 4.0, 12.0
 """Initial speed on split friction [m/s], what its brakes would give on even friction [m/s²], and
 how long a run takes; a mean deceleration of 2.5 m/s² stops the car in it [s]."""
 
+_STEP_RATE, _FISHHOOK_RATE, _J_TURN_RATE = (math.radians(rate) for rate in (500.0, 720.0, 1000.0))
+"""Rates of the steering wheel in step steer, fishhook and J-turn [rad/s]."""
+
+USUAL_RATIO = 16.0
+"""Steering ratio by which these are divided for a model that has no steering wheel [1]."""
+
 _JUST_BELOW = 0.995
 """Part of a wanted level that counts as it [1]."""
 
@@ -133,7 +139,8 @@ class StandardTests:
     def transients(self) -> None:
         """Run ISO 7401's step and single sine at 4 m/s²."""
         angle = self._angle(_TOWN, self._level("step steer and single sine", 4.0, 0.6))
-        self._run("step_steer", StepSteer(speed_control=self._control, angle=angle), _TOWN, 4.5)
+        step = StepSteer(speed_control=self._control, angle=angle, rate=self._rate(_STEP_RATE))
+        self._run("step_steer", step, _TOWN, 4.5)
         sine = SingleSine(speed_control=self._control, amplitude=angle)
         self._run("single_sine", sine, _TOWN, 4.5)
 
@@ -190,12 +197,12 @@ class StandardTests:
         """Run the fishhook with roll-rate feedback at growing speeds until the car tips up."""
 
         def test_at(speed: float, side: float) -> DrivingTest:
-            angle = side * 6.5 * third_g
-            test = Fishhook(speed_control=self._control, angle=angle, hold=2.0)
+            quick = {"angle": side * 6.5 * third_g, "rate": self._rate(_FISHHOOK_RATE)}
+            test = Fishhook(speed_control=self._control, hold=2.0, **quick)
             first = self._drive("fishhook, first turn", test, speed, 3.0)
             settled = test.roll_settled(first.signals)
             hold = max(settled, 0.01) if math.isfinite(settled) else 2.0
-            return Fishhook(speed_control=self._control, angle=angle, hold=hold)
+            return Fishhook(speed_control=self._control, hold=hold, **quick)
 
         self._tip_up("fishhook", test_at, 5.0)
 
@@ -203,7 +210,8 @@ class StandardTests:
         """Run the J-turn at growing speeds until the car tips up."""
 
         def test_at(_: float, side: float) -> DrivingTest:
-            return JTurn(speed_control=self._control, angle=side * 8.0 * third_g)
+            angle, rate = side * 8.0 * third_g, self._rate(_J_TURN_RATE)
+            return JTurn(speed_control=self._control, angle=angle, rate=rate)
 
         self._tip_up("j_turn", test_at, 3.5)
 
@@ -359,6 +367,10 @@ class StandardTests:
             )
         place = self.solver.car.table_places("test.brake_torque")[0]
         return float(point.parameters[place]), size
+
+    def _rate(self, of_wheel: float) -> float:
+        """Return a rate of the steering wheel, or of the front wheels where there is none."""
+        return of_wheel if self.solver.car.has_steering_wheel else of_wheel / USUAL_RATIO
 
     @property
     def _control(self) -> SpeedControl:

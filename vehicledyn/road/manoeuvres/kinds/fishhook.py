@@ -89,13 +89,18 @@ class Fishhook(DrivingTest):
     def roll_settled(self, signals: Signals) -> float:
         """Return when the roll rate falls below 1.5 deg/s after the first turn; NaN if never.
 
-        Straight lines join the samples, so that a change of sign between two of them counts.
+        It counts from where the car has begun to roll faster than that: a slow one does so after
+        the turn. Straight lines join the samples, so that a change of sign between two counts.
         """
         import numpy as np
 
-        later = signals.time > self.turned_at
-        time = np.append(self.turned_at, signals.time[later])
-        rate = np.append(signals.at("roll_rate", self.turned_at), signals.roll_rate[later])
+        rolls = (signals.time >= self.begin) & (np.abs(signals.roll_rate) >= _ROLL_RATE)
+        if not rolls.any():
+            return 0.0
+        start = max(self.turned_at, float(signals.time[int(rolls.argmax())]))
+        later = signals.time > start
+        time = np.append(start, signals.time[later])
+        rate = np.append(signals.at("roll_rate", start), signals.roll_rate[later])
         slow = np.abs(rate) < _ROLL_RATE
         slow[1:] |= rate[1:] * rate[:-1] < 0.0
         if not slow.any():
