@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, get_args
+from typing import TYPE_CHECKING, Literal
 
 from vehicledyn.base.argument_names import argument, given
 from vehicledyn.base.checked_arguments import checked
@@ -73,6 +73,7 @@ def contact_geometry(
         Distance of the tape circle from the back of the flange in files [m].
     shifts, amplitudes
         Lateral shifts, and amplitudes of the conicity [m]; -8 to 8 mm and 1 to 7 mm if None.
+        Without amplitudes, ``[]``, there is no conicity.
     save_to, overwrite, progress
         As for :func:`vehicledyn.simulate`.
     resume
@@ -93,6 +94,9 @@ def contact_geometry(
     from vehicledyn.analyses.contact.contact_geometry import ContactRequest, find_contact_geometry
     from vehicledyn.results.tables.contact_table import write_contacts
 
+    places = _lengths("shifts", shifts, range(-8, 9))
+    if not places:
+        raise InputError(f"{argument('shifts')}: give one value or more")
     left = positive("radius", radius, "m")
     right = left if right_radius is None else positive("right_radius", right_radius, "m")
     request = ContactRequest(
@@ -108,7 +112,7 @@ def contact_geometry(
         yaw=_yaw(yaw),
         curvature=0.0 if curve_radius is None else 1.0 / _curve_radius(curve_radius),
         reading=_reading(smoothing, defects, tape_circle),
-        shifts=_lengths("shifts", shifts, range(-8, 9)),
+        shifts=places,
         amplitudes=_lengths("amplitudes", amplitudes, range(1, 8)),
     )
     with result_place(save_to, may_exist=overwrite, resume=resume) as place:
@@ -121,14 +125,12 @@ def _reading(
     smoothing: float | str, defects: str, tape_circle: float | str | None
 ) -> ProfileReading:
     """Return how profile files are read."""
-    from vehicledyn.rail.profiles.profile_reading import Defects, ProfileReading
+    from vehicledyn.rail.profiles.profile_reading import ProfileReading
 
     wavelength = quantity("smoothing", smoothing, "m")
     if not 0.0 <= wavelength <= _LONGEST_WAVE:
         words = "must not be negative" if wavelength < 0.0 else "must be 100 mm or less"
         raise InputError(f"{given('smoothing', smoothing)}: {words}")
-    if defects not in get_args(Defects):
-        raise InputError(f"{given('defects', defects)}: choose {', '.join(get_args(Defects))}")
     back = None if tape_circle is None else quantity("tape_circle", tape_circle, "m")
     if back is not None and not _NEAREST_BACK < back < _FURTHEST_BACK:
         raise InputError(f"{given('tape_circle', tape_circle)}: must be between 20 and 150 mm")
@@ -143,10 +145,7 @@ def _lengths(
     """Return lengths in SI, the usual ones in mm if none are given."""
     if values is None:
         return tuple(1e-3 * value for value in usual)
-    found = tuple(quantity(name, value, "m") for value in values)
-    if not found:
-        raise InputError(f"{argument(name)}: give one value or more")
-    return found
+    return tuple(quantity(name, value, "m") for value in values)
 
 
 def _yaw(yaw: float | str) -> float:

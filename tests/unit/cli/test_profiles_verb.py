@@ -74,7 +74,10 @@ def test_options_reach_the_geometry(tmp_path):
         (("S1002", "60E1", "--curve-radius", "300"), "--curve-radius 300 mm: must be 5 m or more"),
         (("S1002", "60E1", "--smoothing", "-1"), "--smoothing -1 mm: must not be negative"),
         (("S1002", "60E1", "--smoothing", "200"), "--smoothing 200 mm: must be 100 mm or less"),
-        (("S1002", "60E1", "--defects", "men"), "--defects men: choose refuse, mend, keep"),
+        (
+            ("S1002", "60E1", "--defects", "men"),
+            "--defects: expected 'refuse', 'mend' or 'keep', found 'men'",
+        ),
         (("S1002", "60E1", "--tape-circle", "7"), "--tape-circle 7 mm: must be between 20 and 150"),
     ],
 )
