@@ -1,4 +1,4 @@
-"""The page on creep forces: its listing runs, its table names every law."""
+"""The page on creep forces: its listing runs, its table names laws of the catalogue."""
 
 import re
 import subprocess
@@ -24,8 +24,11 @@ def test_listing():
         assert -15e3 < across < 0.0
 
 
-def test_every_law_is_in_the_table():
-    assert set(re.findall(r"^\| `(\w+)` \|", PAGE, re.MULTILINE)) == set(kinds("creep"))
+def test_laws_of_the_table_exist():
+    """The reference, which is generated, has all."""
+    named = set(re.findall(r"^\| `(\w+)` \|", PAGE, re.MULTILINE))
+    assert named
+    assert named <= set(kinds("creep"))
 
 
 def test_links_lead_to_files():
