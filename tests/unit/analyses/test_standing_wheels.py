@@ -7,6 +7,7 @@ import pytest
 
 import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.analyses import run_scenario
+from vehicledyn.analyses.simulation.standing_wheels import CreepingWheels
 from vehicledyn.files.scenario import load_scenario
 from vehicledyn.results.store.reader import open_result
 
@@ -76,3 +77,27 @@ def test_locked_wheels_stand_with_relaxation_and_are_reported_without(tmp_path, 
     (note,), creep = parked(tmp_path, text)
     assert "give 'relaxation' for a vehicle that is to stand" in note
     assert creep > 1e-3
+
+
+def watched(speed, spin, load=4e3):
+    """Return what a watch says of a wheel that moves along for a second at constant rates."""
+    times = np.linspace(0.0, 1.0, 101)
+    outputs = np.stack([speed * times, 0 * times, spin + 0 * times, load + 0 * times], axis=1)
+    wheels = CreepingWheels(["left"], np.arange(4)[None])
+    for k in range(0, 101, 25):  # in blocks, as samples come
+        wheels.take(times[k : k + 25], outputs[k : k + 25])
+    return wheels.remarks()
+
+
+def test_locked_wheels_that_creep_at_the_end_are_reported():
+    (note,) = watched(-0.026, 0.002)
+    assert note.startswith("warning: locked wheels creep at 26 mm/s at the end: left;")
+
+
+@pytest.mark.parametrize(
+    ("speed", "spin", "load"),
+    [(1e-6, 0.0, 4e3), (-0.026, 0.076, 4e3), (3.0, 0.0, 4e3), (0.026, 0.0, 0.0)],
+    ids=["stands", "rolls", "slides to its stop", "in the air"],
+)
+def test_other_wheels_at_the_end_are_not(speed, spin, load):
+    assert watched(speed, spin, load) == []

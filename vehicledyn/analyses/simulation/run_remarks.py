@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from vehicledyn.analyses.preparation.prepared import Prepared
+from vehicledyn.analyses.preparation.validity.coarse_shapes import coarse_shapes
 from vehicledyn.analyses.preparation.validity.unlike_tyres import unlike_tyres
 from vehicledyn.analyses.simulation.cautions import cautions
 from vehicledyn.analyses.simulation.mended_profiles import mended_profiles
@@ -11,8 +12,9 @@ from vehicledyn.files.scenario.load import LoadedScenario
 
 
 def run_remarks(loaded: LoadedScenario, prepared: Prepared) -> list[str]:
-    """Return sentences about profiles, roads, paths and tyres of a run."""
+    """Return sentences about beams, profiles, roads, paths and tyres of a run."""
     return [
+        *coarse_shapes(prepared),
         *mended_profiles(loaded),
         *steep_roads(loaded),
         *cautions(loaded),

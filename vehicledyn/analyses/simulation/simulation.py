@@ -19,7 +19,6 @@ from vehicledyn.analyses.preparation.prepare import Point
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress
 from vehicledyn.analyses.preparation.sources import sources_of
 from vehicledyn.analyses.preparation.validity.bent_beams import BentBeams
-from vehicledyn.analyses.preparation.validity.coarse_shapes import coarse_shapes
 from vehicledyn.analyses.preparation.validity.rounded_kinks import rounded_kinks
 from vehicledyn.analyses.simulation.animation_recorder import Recorder, surroundings_of
 from vehicledyn.analyses.simulation.chosen_step import leaves_step, with_step
@@ -37,7 +36,7 @@ from vehicledyn.analyses.simulation.restart import SINGULAR_ANGLES, Restart, ope
 from vehicledyn.analyses.simulation.run_outcome import RunOutcome, kernel_message, shown_entry
 from vehicledyn.analyses.simulation.run_recording import RunRecording
 from vehicledyn.analyses.simulation.run_remarks import run_remarks
-from vehicledyn.analyses.simulation.standing_wheels import standing_wheels
+from vehicledyn.analyses.simulation.standing_wheels import CreepingWheels, standing_wheels
 from vehicledyn.analyses.simulation.track_positions import track_place
 from vehicledyn.analyses.simulation.undamped_constraints import undamped_constraints
 from vehicledyn.analyses.simulation.wanted_outputs import (
@@ -124,8 +123,7 @@ def run_scenario(
         notes.extend(moved_starts(prepared, start))
     else:
         notes.extend(filter(None, [start.remark, *rounded_kinks(prepared, start)]))
-    notes.extend([*standing_wheels(prepared, start), *coarse_shapes(prepared)])
-    notes.extend(unsteady_contacts(prepared, start))
+    notes.extend([*standing_wheels(prepared, start), *unsteady_contacts(prepared, start)])
     notes.extend(kinked_drives(prepared.subject, loaded.scenario.duration))
     notes.extend(run_remarks(loaded, prepared))
     notes.extend(undamped_constraints(solver, prepared.equations))
@@ -179,7 +177,7 @@ class _Run:
         channels = self.prepared.equations.channels
         names, units = [c.name for c in channels], [c.unit for c in channels]
         self._recording = RunRecording(names, units, self.kept, self.needed)
-        self._beams = BentBeams.of(self.prepared)
+        self._monitors = BentBeams.of(self.prepared), CreepingWheels.of(self.prepared)
 
     def simulate(
         self, start: Point, output: Path, progress: Progress, known: Restart | None = None
@@ -229,7 +227,7 @@ class _Run:
             if self.status == "ok" and (lost := lost_control(self.summary)):
                 self.status, ending = STATUS, lost
             self._leave(statistics)
-            self._tell_of_turns()
+            self._add_remarks()
             writer.close(
                 self.status,
                 message or ending,
@@ -316,14 +314,16 @@ class _Run:
         self.samples += len(t)
         self._last = (float(t[-1]), x[-1].copy(), z[-1].copy())
         self.turns.take(t, x, z)
-        self._beams.take(t, y)
+        for monitor in self._monitors:
+            monitor.take(t, y)
         if self.recorder is not None:
             writer.append_pictures(self.recorder.take(t, y))
         writer.append(t, y[:, self.kept], np.hstack([x, z]))
 
-    def _tell_of_turns(self) -> None:
-        """Note bodies whose angles came near to where they are singular, and beams bent far."""
-        self.notes.extend([*self.turns.remarks(), *self._beams.remarks()])
+    def _add_remarks(self) -> None:
+        """Note bodies with nearly singular angles, beams bent far and wheels that creep."""
+        for monitor in (self.turns, *self._monitors):
+            self.notes.extend(monitor.remarks())
         for item in self.turns.came_near():
             self.events.append(EventRecord(item.time, f"{item.body}.{SINGULAR_ANGLES}"))
 
