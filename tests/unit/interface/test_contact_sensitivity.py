@@ -118,3 +118,16 @@ def test_names_are_checked(of, to, match):
 def test_every_quantity_is_asked_for():
     found = vd.sensitivity("S1002", [f"profiles({n}, 4 mm, rail=60E1)" for n in SEEN], "gauge")
     assert np.isfinite(found["figure_slope"].values).all()
+
+
+def test_each_figure_has_the_values_of_its_own_place():
+    """What one per cent of a shift or gauge does is of the figure's own."""
+    rest = "rail=arc:300 mm"
+    of = [f"profiles(roll, 1 mm:2 mm:1, {rest})", f"profiles(roll, 1 mm, {rest}, gauge=1430 mm)"]
+    found = vd.sensitivity(ARCS[0], of, ["shift", "gauge"])
+    places = np.array([[1e-3, 1.435], [2e-3, 1.435], [1e-3, 1.43]])
+    assert found["figure_parameter_value"].values == pytest.approx(places)
+    changes = 0.01 * found["figure_slope"].values * places
+    assert found["figure_change_per_percent"].values == pytest.approx(changes, rel=1e-12)
+    assert np.isnan(found["parameter_value"].values).all()
+    assert len(set(found["figure"].values)) == len(places)

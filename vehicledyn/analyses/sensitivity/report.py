@@ -40,7 +40,7 @@ class SensitivityReport:
             "title": table.title,
             "model": table.model,
             "parameters": [
-                {"name": p.name, "unit": p.unit, "value": float(v)}
+                {"name": p.name, "unit": p.unit, "value": _number(v)}
                 for p, v in zip(table.parameters, table.parameter_values, strict=True)
             ],
             "figures": [
@@ -48,12 +48,17 @@ class SensitivityReport:
                     "name": figure.name,
                     "unit": figure.unit,
                     "value": float(table.values[row]),
-                    "slopes": [None if np.isnan(s) else float(s) for s in table.slopes[row]],
+                    "slopes": [_number(s) for s in table.slopes[row]],
+                    **self._place(row),
                 }
                 for row, figure in enumerate(table.figures)
             ],
             "notes": list(table.notes),
         }
+
+    def _place(self, row: int) -> dict[str, Any]:
+        places = self.table.places
+        return {} if places is None else {"parameter_values": [_number(v) for v in places[row]]}
 
     def _figure(self, row: int, name: str, unit: str, description: str) -> list[str]:
         table = self.table
@@ -68,7 +73,7 @@ class SensitivityReport:
         for k in shown_rows:
             parameter, effect = table.parameters[k], table.elasticities[row][k]
             slope = f"{table.slopes[row][k]:.6g} {table.unit(row, k)}"
-            value = shown(float(table.parameter_values[k]), parameter.unit)
+            value = shown(float(table.values_at(row)[k]), parameter.unit)
             change = shown(float(effect), unit) if effect else "-"
             lines.append(f"  {parameter.name:{width}}  {value:>14}  {slope:>24}  {change}")
         rest, idle = len(active) - len(shown_rows), len(order) - len(active)
@@ -77,3 +82,8 @@ class SensitivityReport:
         if idle:
             lines.append(f"  {idle} parameters have no effect")
         return lines
+
+
+def _number(value: float) -> float | None:
+    """Return a number as plain data, None if there is none."""
+    return None if np.isnan(value) else float(value)

@@ -122,7 +122,7 @@ def _sensitivities(table: sensitivity_table.SensitivityTable) -> Parts:
         lines = [
             (
                 table.parameters[k].name,
-                number(float(table.parameter_values[k])),
+                number(float(table.values_at(row)[k])),
                 number(float(table.slopes[row][k])),
                 table.unit(row, k),
             )

@@ -34,6 +34,8 @@ class SensitivityTable:
     ``channels`` sampled at ``time`` (n_times,) with ``channel_values`` (n_channels, n_times) and
     ``channel_slopes`` (n_channels, n_times, n_parameters). ``curvatures``, shape as ``slopes``, are
     second derivatives along a direction, if any: Hessians of the figures times that.
+    ``places`` (n_figures, n_parameters), if any, are the values of the parameters for each figure,
+    where these are of several places; ``parameter_values`` then are not a number where they differ.
     """
 
     title: str
@@ -49,11 +51,17 @@ class SensitivityTable:
     channel_slopes: Any = field(default_factory=lambda: np.zeros((0, 0, 0)))
     notes: tuple[str, ...] = ()
     curvatures: Any = None
+    places: Any = None
+
+    def values_at(self, figure: int) -> Any:
+        """Return the values of the parameters (n_parameters,) at which a figure was found."""
+        return np.asarray(self.parameter_values if self.places is None else self.places[figure])
 
     @property
     def elasticities(self) -> Any:
         """Change of a figure by a hundredth of a parameter's value, shape as ``slopes``."""
-        return 0.01 * np.asarray(self.slopes) * np.asarray(self.parameter_values)[None, :]
+        own = np.asarray(self.parameter_values)[None, :] if self.places is None else self.places
+        return 0.01 * np.asarray(self.slopes) * own
 
     def ranked(self, figure: int) -> list[int]:
         """Return the parameters by what a hundredth of each does to a figure, largest first.
@@ -94,6 +102,9 @@ def write_sensitivity(path: Path, table: SensitivityTable) -> None:
         if table.curvatures is not None:
             words = ("as figure", "Hessian of the figure times the direction")
             write_numbers(file, "figure_curvature", table.curvatures, scales, words)
+        if table.places is not None:
+            words = ("as parameter", "Value of the parameter for the figure")
+            write_numbers(file, "figure_parameter_value", table.places, scales, words)
         write_texts(file, "notes", table.notes)
         if not table.channels:
             return
@@ -130,6 +141,8 @@ def read_sensitivity(path: Path) -> SensitivityTable:
             }
         if "figure_curvature" in file:
             more["curvatures"] = sizes.read(file, "figure_curvature", "figure", "parameter")
+        if "figure_parameter_value" in file:
+            more["places"] = sizes.read(file, "figure_parameter_value", "figure", "parameter")
         return SensitivityTable(
             str(file.attrs["title"]),
             str(file.attrs["model"]),

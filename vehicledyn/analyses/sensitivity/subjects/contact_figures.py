@@ -34,11 +34,15 @@ _INCLINATION, _STEEPEST, _LARGEST_YAW, _TIGHTEST = "1:40", 0.5, 0.2, 5.0
 
 @dataclass(frozen=True)
 class _Asked:
-    """A quantity at shifts, or the conicity of amplitudes [m], of a wheelset on a track."""
+    """A quantity at shifts, or the conicity of amplitudes [m], of a wheelset on a track.
+
+    ``settings`` are the ones given besides the rail, as text.
+    """
 
     quantity: str
     values: tuple[float, ...]
     rail: str
+    settings: str
     request: ContactRequest
 
 
@@ -68,7 +72,7 @@ def find_contact_sensitivity(
     """
     asked = [_parsed(name, file) for name in of]
     chosen = matching(list(PARAMETERS), to, "the contact geometry")
-    figures, values, slopes, notes = [], [], [], []
+    figures, values, slopes, places, notes = [], [], [], [], []
     known: dict[ContactRequest, ContactSlopes] = {}
     for item in asked:
         own = item.request
@@ -81,19 +85,22 @@ def find_contact_sensitivity(
             value, slope, trouble = _found(item, known[own], at)
             figures.append(quantity)
             values.append(value)
+            places.append(_values(item, at)[chosen])
             slopes.append(np.full(len(slope), np.nan) if trouble else slope)
             if trouble:
                 notes.append(f"warning: '{quantity.name}' has no derivative: {trouble}")
-    names = list(PARAMETERS)
+    names, every = list(PARAMETERS), np.array(places)
+    same = np.all(every == every[0], axis=0)
     return SensitivityTable(
         f"{file} on {', '.join(dict.fromkeys(item.rail for item in asked))}",
         file,
         tuple(Quantity(names[k], *PARAMETERS[names[k]]) for k in chosen),
-        _values(asked[0])[chosen],
+        np.where(same, every[0], np.nan),
         tuple(figures),
         np.array(values),
         np.array(slopes)[:, chosen],
         notes=tuple(notes),
+        places=None if same.all() else every,
     )
 
 
@@ -108,19 +115,19 @@ def _found(asked: _Asked, slopes: ContactSlopes, at: float) -> tuple[float, Floa
 
 
 def _quantity(asked: _Asked, at: float) -> Quantity:
+    where = f"{shown(at, 'm')} on {asked.rail}{asked.settings}"
     if asked.quantity == _CONICITY:
-        name = f"conicity at amplitude = {shown(at, 'm')} on {asked.rail}"
+        name = f"conicity at amplitude = {where}"
         return Quantity(name, "1", "Equivalent conicity by integration")
-    name = f"{asked.quantity} at shift = {shown(at, 'm')} on {asked.rail}"
+    name = f"{asked.quantity} at shift = {where}"
     return Quantity(name, *SEEN[asked.quantity])
 
 
-def _values(asked: _Asked) -> Floats:
+def _values(asked: _Asked, at: float) -> Floats:
     """Return the measures that derivatives are by, as in ``PARAMETERS``."""
     r = asked.request
-    shift = 0.0 if asked.quantity == _CONICITY else asked.values[0]
     own = {
-        "shift": shift,
+        "shift": 0.0 if asked.quantity == _CONICITY else at,
         "left_radius": r.radii[0],
         "right_radius": r.radii[1],
     }
@@ -148,7 +155,9 @@ def _parsed(name: str, wheel: str) -> _Asked:
         raise InputError(f"'{name}': {error}") from None
     if parts[0] == _CONICITY and not 0.0 < min(values) <= max(values) <= 0.1:
         raise InputError(f"'{name}': amplitudes lie above 0 and up to 100 mm")
-    return _Asked(parts[0], values, options["rail"], request)
+    rail = options.pop("rail")
+    settings = "".join(f", {key} = {value}" for key, value in options.items())
+    return _Asked(parts[0], values, rail, settings, request)
 
 
 def _request(wheel: str, options: Mapping[str, str]) -> ContactRequest:
