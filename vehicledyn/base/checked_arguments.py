@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import inspect
+import operator
 import reprlib
 import types
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -108,12 +109,30 @@ def _is_choice(value: Any, *choices: Any) -> bool:
     return isinstance(value, str) and value in choices
 
 
+def _is_truth(value: Any) -> bool:
+    """Return whether a value is True or False, NumPy's own among them."""
+    return isinstance(value, bool) or (
+        getattr(getattr(value, "dtype", None), "kind", "") == "b" and value.shape == ()
+    )
+
+
 def _is_whole_number(value: Any) -> bool:
-    return isinstance(value, SupportsIndex) and not isinstance(value, bool)
+    return isinstance(value, SupportsIndex) and _becomes_number(value, operator.index)
 
 
 def _is_number(value: Any) -> bool:
-    return isinstance(value, SupportsFloat) and not isinstance(value, bool)
+    return isinstance(value, SupportsFloat) and _becomes_number(value, float)
+
+
+def _becomes_number(value: Any, turned: Callable[[Any], float]) -> bool:
+    """Return whether a value is one number; arrays of more look like numbers until asked."""
+    if _is_truth(value):
+        return False
+    try:
+        turned(value)
+    except (TypeError, ValueError, OverflowError):
+        return False
+    return True
 
 
 def _is_mapping(value: Any, keys: Any, items: Any) -> bool:
@@ -135,6 +154,7 @@ def _is_tuple(value: Any, *items: Any) -> bool:
 
 _TESTS: dict[Any, Callable[..., bool]] = {
     Literal: _is_choice,
+    bool: _is_truth,
     int: _is_whole_number,
     float: _is_number,
     Mapping: _is_mapping,

@@ -119,6 +119,30 @@ def test_other_callers_give_other_names():
         halve()
 
 
+@pytest.mark.parametrize("value", [np.array([1.0, 2.0]), np.True_, 10**400])
+def test_what_only_looks_like_a_number_is_refused(value):
+    """Arrays and truths of NumPy have the methods of numbers, and so have whole ones of any size."""
+
+    @checked
+    def halve(value: float) -> float:
+        return value / 2
+
+    with pytest.raises(InputError, match=r"^value: expected a number, found "):
+        halve(value)
+
+
+def test_truths_and_numbers_of_numpy_are_taken():
+    @checked
+    def scaled(value: float, twice: bool, times: int | None = None) -> float:
+        return value * (2 if twice else 1) * (times or 1)
+
+    assert scaled(np.array(3.0), np.True_, np.int64(2)) == 12.0
+    with pytest.raises(InputError, match="twice: expected True or False"):
+        scaled(3.0, np.array([True, False]))
+    with pytest.raises(InputError, match="times: expected a whole number"):
+        scaled(3.0, np.False_, np.array([1, 2]))
+
+
 @pytest.mark.parametrize(
     ("ask", "words"),
     [

@@ -54,6 +54,15 @@ def test_a_record_has_its_signals_in_si_and_joins_gaps():
         ("time [s], speed [m/s]\n0, 1\n", "two at least"),
         ("time [s], speed [m/s]\n1, 1\n2, 1\n", "begin: 0 s lies outside of the record"),
         ("time [s], colour [1]\n0, 1\n1, 1\n", "no column but the time is known"),
+        ("time [s], Speed [m/s]\n0, 1\n1, 1\n", "column 'Speed' is not .* mean 'speed'"),
+        (
+            "time [s], steering wheel angle [deg], speed [m/s]\n0, 1, 1\n1, 1, 1\n",
+            "column 'steering wheel angle' is not known; did you mean 'steering_wheel_angle'",
+        ),
+        (
+            "time [s], stering_wheel_angle [deg], speed [m/s]\n0, 1, 1\n1, 1, 1\n",
+            "column 'stering_wheel_angle' is not known; did you mean 'steering_wheel_angle'",
+        ),
         ("time [s], speed [kg]\n0, 1\n1, 1\n", "does not measure a quantity in m/s"),
         (
             "time [s], steering_wheel_angle [deg], road_wheel_angle [deg]\n0, 1, 1\n1, 1, 1\n",
@@ -68,6 +77,26 @@ def test_a_record_that_is_none_is_refused(tmp_path, text, words):
     (tmp_path / "drive.yaml").write_text(SCENARIO.replace("MORE", MEASURED))
     with pytest.raises(InputError, match=words):
         vd.load(tmp_path / "drive.yaml")
+
+
+def test_further_columns_are_passed_over(tmp_path):
+    """Also those that are named much like one that is there."""
+    head = "time [s], speed [m/s], speed_2 [m/s], rear_wheel_angle [deg], Yaw [deg]\n"
+    (tmp_path / "run.csv").write_text(f"{head}0, 1, 2, 3, 4\n1, 1, 2, 3, 4\n")
+    assert list(read_record(tmp_path / "run.csv", 0.0).curves) == ["speed"]
+
+
+@pytest.mark.long
+def test_a_signal_is_compared_where_it_was_measured_and_a_short_record_is_told(tmp_path):
+    head = "time [s], speed [m/s], yaw_rate [rad/s]\n"
+    (tmp_path / "run.csv").write_text(f"{head}0, 10,\n0.1, 10, 0.5\n0.12, 10, 0\n0.14, 10, 0\n")
+    (tmp_path / "drive.yaml").write_text(SCENARIO.replace("MORE", MEASURED))
+    summary = vd.simulate(tmp_path / "drive.yaml").summary
+    assert summary["yaw_rate_largest_apart"].value == pytest.approx(0.5, abs=1e-6)
+    assert summary["yaw_rate_rms_apart"].value == pytest.approx(
+        math.sqrt((0.5**2 + 0.25**2) / 5), abs=1e-6
+    )
+    assert "the record ends 0.14 s after its begin" in summary["test_conditions"].value
 
 
 @pytest.mark.long

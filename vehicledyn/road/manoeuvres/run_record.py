@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import difflib
+import re
+from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -35,6 +37,8 @@ _COLUMNS = {
 MOST_SAMPLES = 100_000
 _EVEN = 1e-3
 """Part of a step by which steps may differ that count as even; others are cut to one step [1]."""
+_ALIKE = 0.9
+"""Likeness of names from which a further column is a known one that is written wrong [1]."""
 
 
 @dataclass(frozen=True)
@@ -99,6 +103,7 @@ def read_record(path: Path, begin: float) -> RunRecord:
 @lru_cache(maxsize=8)
 def _read(path: Path, begin: float, changed: int, size: int) -> RunRecord:
     table = read_columns(path, _COLUMNS, is_open=True)
+    _refuse_misspelt(path, table.others, table.places)
     numbers = {name: np.array(values) for name, values in table.numbers.items()}
     time = numbers.pop("time") - begin
     if len(time) < 2:
@@ -128,3 +133,21 @@ def _read(path: Path, begin: float, changed: int, size: int) -> RunRecord:
             raise InputError(f"{path}: {name}: fewer than two values")
         curves[name] = (time[known], values[known])
     return RunRecord(curves, float(time[0]), float(time[-1]))
+
+
+def _refuse_misspelt(path: Path, others: Iterable[str], given: Collection[str]) -> None:
+    """Refuse columns that would be passed over for a slip in their names."""
+    bare = {_bare(name): name for name in _COLUMNS if name not in given}
+    for other in others:
+        head = re.split(r"[\[(]", other)[0].strip()
+        near = difflib.get_close_matches(_bare(head), bare, n=1, cutoff=_ALIKE)
+        if near:
+            raise InputError(
+                f"{path}: the column '{head}' is not known; did you mean '{bare[near[0]]}'? Give "
+                "a further column another name"
+            )
+
+
+def _bare(name: str) -> str:
+    """Return the letters and digits of a name."""
+    return re.sub(r"[\W_]", "", name).lower()

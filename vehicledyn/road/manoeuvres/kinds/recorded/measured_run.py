@@ -35,6 +35,7 @@ _COMPARED = {
 """Measured signals that a run is compared with: the signal of the run, unit and words."""
 
 _SPEED_APART = 2.0 / 3.6
+_LATE = 1e-6
 
 
 @register("manoeuvre", "measured_run")
@@ -144,8 +145,11 @@ class MeasuredRun(DrivingTest):
         return None
 
     def conditions(self, signals: Signals) -> list[str]:
-        """Return also where the run starts at another speed than the record."""
+        """Return also where the run starts at another speed than the record, or outlasts it."""
         found, record = super().conditions(signals), self.record
+        if float(signals.time[-1]) > record.last + _LATE:
+            words = f"the record ends {shown(record.last, 's')} after its begin"
+            found.append(f"{words}; from there the run holds its last values")
         if "speed" in record.curves:
             measured, own = record.value("speed", 0.0), float(signals.forward_speed[0])
             if abs(own - measured) > _SPEED_APART:
@@ -160,13 +164,11 @@ class MeasuredRun(DrivingTest):
         import numpy as np
 
         record = self.record
-        within = (signals.time >= record.first) & (signals.time <= record.last)
-        if not within.any():
-            return
-        time = signals.time[within]
-        for name in record.curves:
-            if name not in _COMPARED:
+        for name, (times, _) in record.curves.items():
+            within = (signals.time >= times[0]) & (signals.time <= times[-1])
+            if name not in _COMPARED or not within.any():
                 continue
+            time = signals.time[within]
             attribute, unit, words = _COMPARED[name]
             apart = getattr(signals, attribute)[within] - record.values(name, time)
             rms = float(np.sqrt(np.mean(apart**2)))
@@ -174,10 +176,6 @@ class MeasuredRun(DrivingTest):
             largest = float(np.abs(apart).max())
             text = f"Largest difference of the {words} from measured"
             yield from entry(f"{name}_largest_apart", largest, unit, text)
-        if "speed" in record.curves:
-            ways = [
-                np.trapezoid(v, time)
-                for v in (signals.forward_speed[within], record.values("speed", time))
-            ]
-            text = "Way of the run less the integral of the measured speed"
-            yield from entry("way_apart", float(ways[0] - ways[1]), "m", text)
+            if name == "speed":
+                text = "Way of the run less the integral of the measured speed"
+                yield from entry("way_apart", float(np.trapezoid(apart, time)), "m", text)
