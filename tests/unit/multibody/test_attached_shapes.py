@@ -150,6 +150,15 @@ def test_frames_too_near_to_an_end_are_refused():
         attached_shapes(6, 2, (1e-5,))
 
 
+def test_kinks_whose_stiffness_drowns_that_of_the_other_shapes_are_refused():
+    """Beyond a place at 0.9999 the beam is 1e16 times as stiff as in all."""
+    for place in (0.999, 0.9999, 0.99999):
+        with pytest.raises(InputError, match=rf"frames: {place:g} is too near to an end"):
+            attached_shapes(4, 2, (0.4, place))
+    near = attached_shapes(8, 2, (0.99,))
+    assert near.stiffness[0] ** 0.25 == pytest.approx(1.8751040687, rel=1e-8)
+
+
 def test_torques_inside_a_beam_are_told(tmp_path):
     """One that a link with an arm makes, with 4 polynomials; nothing of forces at the end."""
     text = """title: A rod that a spring twists

@@ -24,6 +24,11 @@ from vehicledyn.multibody.bodies.beam_shapes import (
 
 _DEPENDENT = 1e-8
 """Part of a shape that the others must leave of it."""
+_STIFFEST = 1e10
+"""Stiffness of the stiffest shape over the softest, beyond which rounding of it spoils the latter.
+
+The bending of the part beyond a kink near the end is as stiff as its length to the power of -4.
+"""
 
 
 @lru_cache(maxsize=64)
@@ -60,14 +65,19 @@ def attached_shapes(count: int, order: int, places: tuple[float, ...]) -> Shapes
     _, mixed = np.linalg.qr(root * bare.at(nodes))
     left = np.abs(np.diag(mixed)) / np.linalg.norm(mixed, axis=0)
     if left[plain:].min() < _DEPENDENT:
-        worst = inside[int(np.argmin(left[plain:]))]
-        raise InputError(
-            f"frames: {worst:g} is too near to an end or to another frame for a shape of its own; "
-            "move it, leave it out or take another 'basis'"
-        )
+        raise _too_near(inside[int(np.argmin(left[plain:]))])
     separate = np.linalg.inv(mixed)
     bent = root * (bare.at(nodes, order) @ separate)
     stiffness, vectors = np.linalg.eigh(bent.T @ bent)
+    if stiffness[0] * _STIFFEST < stiffness[-1]:
+        raise _too_near(inside[-1])
     turned = separate @ vectors
     turned = turned * np.sign(bare.values(1.0) @ turned)
     return replace(bare.mixed(turned), stiffness=stiffness, points=plain + order, slopes=count + 1)
+
+
+def _too_near(place: float) -> InputError:
+    return InputError(
+        f"frames: {place:g} is too near to an end or to another frame for a shape of its own; "
+        "move it, leave it out or take another 'basis'"
+    )
