@@ -121,7 +121,7 @@ def test_other_callers_give_other_names():
 
 @pytest.mark.parametrize("value", [np.array([1.0, 2.0]), np.True_, 10**400])
 def test_what_only_looks_like_a_number_is_refused(value):
-    """Arrays and truths of NumPy have the methods of numbers, and so have whole ones of any size."""
+    """Arrays and truths of NumPy have the methods of numbers, and whole ones may be too large."""
 
     @checked
     def halve(value: float) -> float:
