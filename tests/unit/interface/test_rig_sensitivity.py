@@ -99,3 +99,35 @@ def test_compliances_of_a_bushing_follow_the_linear_system(tmp_path, test):
 def test_names_are_checked(of, to, match):
     with pytest.raises((InputError, vd.NumericalError), match=match):
         vd.sensitivity("double_wishbone_suspension", of, to)
+
+
+STOP = """
+title: A carrier on a spring and a stop that begins to touch
+gravity: [0, 0, 0]
+parameters: {spring: 20 kN/m, stop: 50 kN/m, place: 10 mm}
+bodies:
+  chassis: {joints: [T3 height], mass: 500 kg}
+  carrier:
+    parent: chassis
+    at: [0 m, 0.7 m, 0.3 m]
+    joints: [{kind: T1, name: x, role: driven}, {kind: T2, name: y, role: driven}, T3 travel]
+    mass: 20 kg
+forces:
+  spring:
+    coordinate: carrier.travel
+    force: -spring * position - stop * max(position - place, 0 m)
+sensors:
+  wheel: {kind: wheel_angles, body: carrier, axis: [0, 1, 0], radius: 0.3 m, seen_from: chassis}
+"""
+
+
+def test_a_stop_that_begins_to_touch_has_no_derivative(tmp_path):
+    """A wheel rate jumps there, the derivative of a load too; toe does not feel it."""
+    path = tmp_path / "stop.yaml"
+    path.write_text(STOP, encoding="utf-8")
+    of = [f"rig(wheel.{n}, parallel, 9 mm:10 mm:1)" for n in ("wheel_rate", "load", "toe_angle")]
+    with pytest.warns(vd.AccuracyWarning, match="corner here, such as a stop"):
+        found = vd.sensitivity(path, of, ["spring", "place"])
+    slopes = found["figure_slope"].values
+    assert slopes[[0, 2, 4, 5]] == pytest.approx(np.array([[1, 0], [9e-3, 0], [0, 0], [0, 0]]))
+    assert np.isnan(slopes[[1, 3]]).all()

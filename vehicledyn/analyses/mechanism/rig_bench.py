@@ -183,6 +183,11 @@ class Bench:
         """Lift all wheels at every place beside what is asked for [m]."""
         self._lift = travel
 
+    @property
+    def lifted(self) -> float:
+        """Travel of all wheels beside what is asked for [m]."""
+        return self._lift
+
     def pad(self, corner: int) -> str:
         """Return the channel of the load of a wheel, positive upwards [N]."""
         return f"rig.pad_{corner}.multiplier"

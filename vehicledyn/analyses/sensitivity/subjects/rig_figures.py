@@ -96,8 +96,8 @@ def find_rig_sensitivity(
     rows = np.array([numbers for _, numbers in figures.values()])
     lost = ~np.isfinite(rows).all(axis=1)
     notes = [
-        f"warning: '{quantity.name}' has no value here, and no derivative"
-        for (quantity, _), is_lost in zip(figures.values(), lost, strict=True)
+        f"warning: '{quantity.name}' has no {_lost_by(numbers)}"
+        for (quantity, numbers), is_lost in zip(figures.values(), lost, strict=True)
         if is_lost
     ]
     rows[lost, 1:] = np.nan
@@ -114,6 +114,13 @@ def find_rig_sensitivity(
         rows[:, 1:][:, chosen],
         notes=tuple(notes),
     )
+
+
+def _lost_by(numbers: Floats) -> str:
+    """Return what a quantity lacks, from its value and derivatives, and why."""
+    if np.isfinite(numbers[0]):
+        return "derivative: a law has a corner here, such as a stop that begins to touch"
+    return "value here, and no derivative"
 
 
 def _table(slopes: BenchSlopes, own: RigRequest, progress: Progress, memory: Memory) -> Floats:
