@@ -110,7 +110,7 @@ bodies:
   carrier:
     parent: chassis
     at: [0 m, 0.7 m, 0.3 m]
-    joints: [{kind: T1, name: x, role: driven}, {kind: T2, name: y, role: driven}, T3 travel]
+    joints: [T3 travel]
     mass: 20 kg
 forces:
   spring:
@@ -131,3 +131,10 @@ def test_a_stop_that_begins_to_touch_has_no_derivative(tmp_path):
     slopes = found["figure_slope"].values
     assert slopes[[0, 2, 4, 5]] == pytest.approx(np.array([[1, 0], [9e-3, 0], [0, 0], [0, 0]]))
     assert np.isnan(slopes[[1, 3]]).all()
+
+
+def test_wheels_that_cannot_rise_are_refused(tmp_path):
+    path = tmp_path / "rigid.yaml"
+    path.write_text(STOP.replace("T3 travel", "T1 travel"), encoding="utf-8")
+    with pytest.raises(InputError, match="nothing lets the wheel of 'wheel' rise"):
+        vd.rig(path, "parallel")

@@ -125,7 +125,8 @@ class Bench:
         Raises
         ------
         InputError
-            If the system has no wheel sensors, or the steering is not one of its coordinates.
+            If the system has no wheel sensors, a wheel cannot rise, or the steering is not one of
+            its coordinates.
         NumericalError
             If its loops cannot be assembled.
         """
@@ -138,7 +139,8 @@ class Bench:
         self.corners = _corners(system, target)
         self.steering = _steering(system, steering)
         system = _stripped(system, target, self.corners, self.steering)
-        self.design = Positions(system)
+        standing = [f"{corner.name}.contact_{axis}" for corner in self.corners for axis in "yz"]
+        self.design = Positions(system, kept=standing)
         values = self.design.values(self.design.start)
         place = dict(zip((c.name for c in self.design.channels), values, strict=True))
         self.heights = tuple(place[f"{corner.name}.contact_z"] for corner in self.corners)
@@ -153,6 +155,12 @@ class Bench:
         self.controls = tuple(name for name in self._names if name.startswith("rig."))
         self._derivatives = Derivatives(e, self.controls)
         self.channels = {c.name: c for c in e.channels}
+        for k, corner in enumerate(self.corners):
+            if self.pad(k) not in self.channels:
+                raise InputError(
+                    f"{target.origin}: nothing lets the wheel of '{corner.name}' rise from the "
+                    "body; give its carrier a joint that does"
+                )
         state = start_values(e)
         state[list(e.velocities)] = 0.0
         moving = {*e.positions, *e.velocities}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -54,8 +54,15 @@ class Positions:
         Parameters of the system, in the order of derivatives by them.
     """
 
-    def __init__(self, system: System) -> None:
+    def __init__(self, system: System, *, kept: Collection[str] = ()) -> None:
         """Assemble the loops of a system and prepare its channels.
+
+        Parameters
+        ----------
+        system
+            Bodies, joints and parts.
+        kept
+            Names of channels of parts that are wanted even if nothing moves them.
 
         Raises
         ------
@@ -83,7 +90,7 @@ class Positions:
         self.coordinates = tuple(
             CoordinateFacts(j.name, j.unit, j.description or j.name, j.role) for j in symbols.joints
         )
-        seen = _Seen.of(system, tree, symbols)
+        seen = _Seen.of(system, tree, symbols, kept)
         self.channels, self.speeds = seen.channels, seen.speeds
         self.without_channels = seen.without_channels
         q = symbols.coordinate_column
@@ -200,7 +207,7 @@ class _Seen:
     known: tuple[Scalar, Scalar]
 
     @classmethod
-    def of(cls, system: System, tree: Tree, symbols: Symbols) -> _Seen:
+    def of(cls, system: System, tree: Tree, symbols: Symbols, kept: Collection[str]) -> _Seen:
         joints = symbols.joints
         accelerations = {j.name: ops.symbol(f"{j.name}_acceleration") for j in joints}
         q, rates = symbols.coordinate_column, symbols.rate_column
@@ -220,7 +227,7 @@ class _Seen:
         for channel, expression in outputs:
             given = ops.substitute(expression, known, numbers)
             at_rest = ops.substitute(given, moving, still)
-            if ops.depends_on(at_rest, q):
+            if ops.depends_on(at_rest, q) or channel.name in kept:
                 found.append(Output(channel, at_rest))
                 free.append(ops.substitute(expression, moving, still))
             elif (
