@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from functools import lru_cache
+from numbers import Real
 from typing import NamedTuple
 
 from vehicledyn.base.errors import InputError, nearest_name
@@ -122,7 +123,7 @@ def to_si(value: object, unit: str) -> float:
     """
     if isinstance(value, bool):
         raise InputError(f"expected a number in {unit}, found {str(value).lower()}")
-    if isinstance(value, int | float):
+    if isinstance(value, Real):
         try:
             return float(value)
         except OverflowError:

@@ -66,8 +66,12 @@ def identify(
             raise InputError(f"{argument('measured')}: {channel}: give times, values and noise")
         times, values = (np.asarray(part, dtype=float) for part in parts[:2])
         noise = parts[2]
-        size = noise if isinstance(noise, float) else to_si(noise, channel_unit(loaded, channel))
-        items.append(Measured(channel, times, values, float(size)))
+        unit = channel_unit(loaded, channel)
+        try:
+            size = to_si(noise, unit)
+        except InputError as error:
+            raise InputError(f"{argument('measured')}: {channel}: noise: {error}") from None
+        items.append(Measured(channel, times, values, size))
     if not items:
         raise InputError(f"{argument('measured')}: give one channel or more")
     return find(loaded, items, parameters, tell)

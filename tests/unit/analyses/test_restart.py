@@ -354,6 +354,15 @@ class Killed(BaseException):
     pass
 
 
+def test_a_broken_off_run_that_is_longer_than_the_one_to_come_is_refused(tmp_path):
+    """No step is left to go, nor less than none."""
+    run(tmp_path, PLAIN, "first.h5", "duration=0.3 s")
+    with h5py.File(tmp_path / "first.h5", "r+") as file:
+        file.attrs["status"] = "running"
+    with pytest.raises(InputError, match=r"reaches t = 0.3 s already"):
+        run(tmp_path, PLAIN, "second.h5", "duration=0.2 s", restart="first.h5")
+
+
 def test_channels_that_are_not_kept_count_for_the_summary(tmp_path):
     text = PLAIN.replace("animation: true", "animation: true, channels: [upper.*]")
     run(tmp_path, text, "whole.h5")

@@ -9,6 +9,7 @@ import vehicledyn as vd
 from vehicledyn.base.argument_names import arguments_named
 from vehicledyn.base.checked_arguments import checked
 from vehicledyn.base.errors import InputError
+from vehicledyn.base.units import to_si
 
 FUNCTIONS = [
     name for name in vd.__all__ if inspect.isfunction(getattr(vd, name)) and name != "models"
@@ -160,3 +161,14 @@ def test_results_refuse_what_they_cannot_use(ask, words):
     with pytest.raises(InputError) as refused:
         ask(data, data[next(iter(data))])
     assert words in str(refused.value)
+
+
+@pytest.mark.parametrize("number", [np.float32(0.5), np.int64(2), np.float64(0.5), 2])
+def test_quantities_take_numbers_of_numpy(number):
+    assert to_si(number, "kg") == float(number)
+
+
+def test_a_noise_that_is_none_is_named():
+    measured = {"body.height": ([0.0, 0.1], [0.0, 0.0], "1 kg")}
+    with pytest.raises(InputError, match=r"^measured: body\.height: noise: "):
+        vd.identify("quarter_car", measured, {"body.mass": {"from": "1 kg", "to": "2 kg"}})

@@ -191,7 +191,10 @@ def _refuse_others(
         raise InputError(f"{path}: {what}: {why}")
     if result.solver.get("ended_by"):
         raise InputError(f"{path}: {what}: event '{result.solver['ended_by']}' ended it")
-    if _reaches_end(result, loaded) and (result.has_ended or result.samples < 2):
+    may_be_completed = not result.has_ended and result.samples > 1
+    if _goes_beyond_end(result, loaded) or (
+        _reaches_end(result, loaded) and not may_be_completed
+    ):
         raise InputError(
             f"{path}: reaches t = {result.time[-1]:.9g} s already; to go on, give a longer "
             f"duration by {setting('duration')}"
@@ -211,6 +214,11 @@ def _is_sampled_every(result: Result, interval: float) -> bool:
 def _reaches_end(result: Result, loaded: LoadedScenario) -> bool:
     s = loaded.scenario
     return bool(result.time[-1] > s.duration - 0.5 * s.output.interval)
+
+
+def _goes_beyond_end(result: Result, loaded: LoadedScenario) -> bool:
+    s = loaded.scenario
+    return bool(result.time[-1] > s.duration + 0.5 * s.output.interval)
 
 
 def _differing(known: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
