@@ -145,7 +145,7 @@ def _is_list(value: Any, items: Any) -> bool:
     """Return whether a value is a list of some items; what iterators give is not looked at."""
     if isinstance(value, list | tuple):
         return all(_fits(item, items) for item in value)
-    return isinstance(value, Iterable) and not isinstance(value, str | Mapping)
+    return isinstance(value, Iterable) and not isinstance(value, str | bytes | Mapping)
 
 
 def _is_tuple(value: Any, *items: Any) -> bool:

@@ -45,6 +45,8 @@ def test_every_argument_of_the_front_door_is_checked(name):
             lambda: vd.uncertainty("quarter_car", "time", {"body.mass": "300 kg"}),
             "parameters: expected a mapping from names to a mapping, found {'body.mass': '300 kg'}",
         ),
+        (lambda: vd.modes("quarter_car", speed=np.ones((2, 2))), "expected a number with a unit"),
+        (lambda: vd.tyre("c", loads=b"12"), "loads: expected a list of a number or a text, found"),
         (lambda: vd.load(5), "source: expected a text, a path, a System or what vehicledyn.load"),
         (
             lambda: vd.identify("quarter_car", MEASURED, {"body.mass": {}}),

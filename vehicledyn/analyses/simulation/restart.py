@@ -192,9 +192,7 @@ def _refuse_others(
     if result.solver.get("ended_by"):
         raise InputError(f"{path}: {what}: event '{result.solver['ended_by']}' ended it")
     may_be_completed = not result.has_ended and result.samples > 1
-    if _goes_beyond_end(result, loaded) or (
-        _reaches_end(result, loaded) and not may_be_completed
-    ):
+    if _goes_beyond_end(result, loaded) or (_reaches_end(result, loaded) and not may_be_completed):
         raise InputError(
             f"{path}: reaches t = {result.time[-1]:.9g} s already; to go on, give a longer "
             f"duration by {setting('duration')}"
