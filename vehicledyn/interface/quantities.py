@@ -19,8 +19,8 @@ def quantity(name: str, value: float | str, unit: str) -> float:
         If it is no finite quantity of this unit; the message names the argument.
     """
     try:
-        is_one = getattr(value, "size", 0) == 1 and hasattr(value, "item")
-        number = to_si(value.item() if is_one else value, unit)
+        is_one = getattr(value, "size", 1) == 1
+        number = to_si(value.item() if is_one and hasattr(value, "item") else value, unit)
     except InputError as error:
         raise InputError(f"{given(name, value)}: {error}") from None
     if not isfinite(number):
