@@ -90,6 +90,7 @@ def test_compliances_of_a_bushing_follow_the_linear_system(tmp_path, test):
         ("rig(wheel.toe_gain, paralel)", "*", "did you mean 'parallel'"),
         ("rig(wheel.toe_gain, parallel, 5 N)", "*", "values of travel"),
         ("rig(wheel.toe_gain, parallel, 0 mm, traval=1 mm)", "*", "did you mean 'travel'"),
+        ("rig(wheel.toe_gain, parallel, travel=1 mm, travel=2 mm)", "*", "given twice"),
         ("rig(wheel.toe_gain, parallel)", "start.chassis.height", "no start values"),
         ("rig(wheel.toe_gain, parallel)", "lower.bal.x", r"did you mean 'lower\.ball\.x'"),
         ("rig(wheel.toe_angle, parallel, 900 mm)", "*", "no place at travel|cannot be closed"),

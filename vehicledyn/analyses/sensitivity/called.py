@@ -29,7 +29,7 @@ def called_parts(
     Raises
     ------
     InputError
-        If there are other numbers of parts, or other keys.
+        If there are other numbers of parts, or other keys, or one twice.
 
     Examples
     --------
@@ -43,6 +43,8 @@ def called_parts(
     if len(parts) not in counts or not all(parts):
         raise InputError(f"'{name}': write {form}")
     found = {key.strip(): value.strip() for key, _, value in given}
+    if len(found) < len(given):
+        raise InputError(f"'{name}': a setting is given twice")
     for key in found:
         if key not in settings:
             raise InputError(f"'{name}': {unknown_name('setting', key, settings)}")

@@ -72,9 +72,10 @@ class SensitivityReport:
         lines = [head, f"  {'parameter':{width}}  {'value':>14}  {'derivative':>24}  by 1 %"]
         for k in shown_rows:
             parameter, effect = table.parameters[k], table.elasticities[row][k]
-            slope = f"{table.slopes[row][k]:.6g} {table.unit(row, k)}"
+            lost = np.isnan(table.slopes[row][k])
+            slope = "none" if lost else f"{table.slopes[row][k]:.6g} {table.unit(row, k)}"
             value = shown(float(table.values_at(row)[k]), parameter.unit)
-            change = shown(float(effect), unit) if effect else "-"
+            change = shown(float(effect), unit) if effect and np.isfinite(effect) else "-"
             lines.append(f"  {parameter.name:{width}}  {value:>14}  {slope:>24}  {change}")
         rest, idle = len(active) - len(shown_rows), len(order) - len(active)
         if rest:

@@ -164,6 +164,7 @@ def _figures(
         for row, value in zip(table, _values(own), strict=True):
             at = shown(float(value), test.unit)
             also = f", travel = {shown(own.travel, 'm')}" if own.travel else ""
+            also += f", steering = {own.steering}" if own.steering else ""
             name = f"{channels[k].name} at {test.control} = {at}{also}"
             quantity = Quantity(name, channels[k].unit, channels[k].description)
             yield name, (quantity, row[:, k])
