@@ -79,6 +79,12 @@ def test_a_record_that_is_none_is_refused(tmp_path, text, words):
         vd.load(tmp_path / "drive.yaml")
 
 
+def test_cells_may_be_quoted(tmp_path):
+    """As R and table programs write them."""
+    (tmp_path / "run.csv").write_text('"time [s]","speed [km/h]"\n0,"36"\n"1",\n2,72\n')
+    assert read_record(tmp_path / "run.csv", 0.0).value("speed", 1.0) == pytest.approx(15.0)
+
+
 def test_further_columns_are_passed_over(tmp_path):
     """Also those that are named much like one that is there."""
     head = "time [s], speed [m/s], speed_2 [m/s], rear_wheel_angle [deg], Yaw [deg]\n"

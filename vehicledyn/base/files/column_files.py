@@ -1,7 +1,8 @@
 """Tables of named columns with units, as CSV: read at once, every problem reported with its line.
 
 The first line that is no comment names the columns, each with its unit in brackets, such as
-``s [m], cant [mm], kind``. A # opens a comment. Columns are parted by commas, semicolons or tabs.
+``s [m], cant [mm], kind``. A # opens a comment. Columns are parted by commas, semicolons or tabs;
+quotation marks around a cell are left out.
 """
 
 from __future__ import annotations
@@ -214,9 +215,15 @@ def _cells(text: str, separator: str) -> list[tuple[int, str]]:
     """Return the column where each cell's text begins, from one, and the text."""
     found, start = [], 0
     for piece in text.rstrip().split(separator):
-        found.append((start + 1 + len(piece) - len(piece.lstrip()), piece.strip()))
+        found.append((start + 1 + len(piece) - len(piece.lstrip()), _unquoted(piece.strip())))
         start += len(piece) + 1
     return found
+
+
+def _unquoted(cell: str) -> str:
+    """Return a cell without the quotation marks that some programs put around each."""
+    is_quoted = len(cell) > 1 and cell[0] == cell[-1] == '"'
+    return cell[1:-1].strip() if is_quoted else cell
 
 
 def _lines(path: Path) -> list[str]:
