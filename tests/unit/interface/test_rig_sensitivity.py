@@ -139,3 +139,11 @@ def test_wheels_that_cannot_rise_are_refused(tmp_path):
     path.write_text(STOP.replace("T3 travel", "T1 travel"), encoding="utf-8")
     with pytest.raises(InputError, match="nothing lets the wheel of 'wheel' rise"):
         vd.rig(path, "parallel")
+
+
+def test_each_name_has_figures_of_its_own(tmp_path):
+    """Studies count them: a pattern beside a name must not pass for one figure."""
+    path = tmp_path / "stop.yaml"
+    path.write_text(STOP, encoding="utf-8")
+    of = ["rig(wheel.wheel_rate, parallel, 0 mm:5 mm:1)", "rig(wheel.wheel_rate, parallel, 5 mm)"]
+    assert vd.sensitivity(path, of, "spring")["figure_value"].shape == (3,)

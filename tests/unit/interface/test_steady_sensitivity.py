@@ -87,3 +87,12 @@ def test_turns_beyond_the_limit_have_no_derivative():
     of = "steady(steering_angle, constant_speed, 30 m/s^2, speed=20 m/s)"
     with pytest.raises(NumericalError, match=r"the turns end at [0-9.]+ m/s\^2.*before 30"):
         vd.sensitivity("small_car", of)
+
+
+@pytest.mark.long
+def test_each_name_has_figures_of_its_own(tmp_path):
+    """Circles of nearly one radius are not one, and studies count figures."""
+    (tmp_path / "linear.yaml").write_text(LINEAR)
+    of = [f"steady(speed, constant_radius, 1 m/s^2, radius={r} m)" for r in (100.0, 100.001)]
+    found = vd.sensitivity(tmp_path / "linear.yaml", of, "tyres.front.cornering_stiffness")
+    assert found["figure_value"].values == pytest.approx([10.0, 10.00005], rel=1e-7)

@@ -71,13 +71,13 @@ def find_rig_sensitivity(
     NumericalError
         If a place cannot be reached, or has no derivative.
     """
-    asked = [_parsed(name) for name in of]
+    asked = [_parsed(name) for name in dict.fromkeys(of)]
     if any(name.startswith(START) for name in to):
         raise InputError("an axle on the rig has no start values; name parameters")
     progress("assembling the axle", None)
     rigs: dict[tuple[str | None, float], BenchSlopes] = {}
     tables: dict[RigRequest, Floats] = {}
-    figures: dict[str, tuple[Quantity, Floats]] = {}
+    figures: list[tuple[Quantity, Floats]] = []
     for item in asked:
         own = item.request
         key = own.steering, own.travel
@@ -88,16 +88,16 @@ def find_rig_sensitivity(
         check_test(rigs[key].bench, own.test, target)
         if own not in tables:
             tables[own] = _table(rigs[key], own, progress, memory)
-        figures |= dict(_figures(item, rigs[key].bench, tables[own]))
+        figures += list(_figures(item, rigs[key].bench, tables[own]))
     slopes = next(iter(rigs.values()))
     parameters = [slopes.bench.equations.parameters[k] for k in slopes.parameters]
     model = slopes.bench.equations.name
     chosen = matching([p.name for p in parameters], to, model)
-    rows = np.array([numbers for _, numbers in figures.values()])
+    rows = np.array([numbers for _, numbers in figures])
     lost = ~np.isfinite(rows).all(axis=1)
     notes = [
         f"warning: '{quantity.name}' has no {_lost_by(numbers)}"
-        for (quantity, numbers), is_lost in zip(figures.values(), lost, strict=True)
+        for (quantity, numbers), is_lost in zip(figures, lost, strict=True)
         if is_lost
     ]
     rows[lost, 1:] = np.nan
@@ -109,7 +109,7 @@ def find_rig_sensitivity(
             for k in chosen
         ),
         np.array([parameters[k].value for k in chosen]),
-        tuple(quantity for quantity, _ in figures.values()),
+        tuple(quantity for quantity, _ in figures),
         rows[:, 0],
         rows[:, 1:][:, chosen],
         notes=tuple(notes),
@@ -149,9 +149,7 @@ def _values(own: RigRequest) -> Floats:
     return values_of(named_test(own.test), "0" if own.values is None else own.values)
 
 
-def _figures(
-    asked: _Asked, bench: Bench, table: Floats
-) -> Iterator[tuple[str, tuple[Quantity, Floats]]]:
+def _figures(asked: _Asked, bench: Bench, table: Floats) -> Iterator[tuple[Quantity, Floats]]:
     """Yield the quantities that a name asks for, with values and derivatives."""
     own, test = asked.request, named_test(asked.request.test)
     channels = channels_of(bench, test)[1:]
@@ -167,7 +165,7 @@ def _figures(
             also += f", steering = {own.steering}" if own.steering else ""
             name = f"{channels[k].name} at {test.control} = {at}{also}"
             quantity = Quantity(name, channels[k].unit, channels[k].description)
-            yield name, (quantity, row[:, k])
+            yield quantity, row[:, k]
 
 
 def _parsed(name: str) -> _Asked:

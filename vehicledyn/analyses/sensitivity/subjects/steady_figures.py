@@ -109,7 +109,7 @@ def find_steady_sensitivity(
     NumericalError
         If a turn is not found.
     """
-    asked = [_parsed(name) for name in of]
+    asked = [_parsed(name) for name in dict.fromkeys(of)]
     if any(name.startswith(START) for name in to):
         raise InputError("a steady turn has no start values; name parameters")
     test = DrivingTest(speed_control=CONTROL)
@@ -120,18 +120,18 @@ def find_steady_sensitivity(
     slopes = TurnSlopes(solver)
     parameters = [car.equations.parameters[k] for k in slopes.parameters]
     chosen = matching([p.name for p in parameters], to, car.equations.name)
-    figures: dict[str, tuple[Quantity, Floats]] = {}
+    figures: list[tuple[Quantity, Floats]] = []
     for item in asked:
         progress(f"differentiating {item.quantity}", None)
         find = _values if item.values else _limit if item.quantity == _LIMIT else _gradient
-        figures |= {quantity.name: (quantity, row) for quantity, row in find(slopes, item)}
-    rows = np.array([row for _, row in figures.values()])
+        figures += list(find(slopes, item))
+    rows = np.array([row for _, row in figures])
     return SensitivityTable(
         target.title,
         car.equations.name,
         tuple(Quantity(p.name, p.unit, p.description) for p in (parameters[k] for k in chosen)),
         np.array([parameters[k].value for k in chosen]),
-        tuple(quantity for quantity, _ in figures.values()),
+        tuple(quantity for quantity, _ in figures),
         rows[:, 0],
         rows[:, 1:][:, chosen],
     )
