@@ -174,3 +174,9 @@ def test_a_noise_that_is_none_is_named():
     measured = {"body.height": ([0.0, 0.1], [0.0, 0.0], "1 kg")}
     with pytest.raises(InputError, match=r"^measured: body\.height: noise: "):
         vd.identify("quarter_car", measured, {"body.mass": {"from": "1 kg", "to": "2 kg"}})
+
+
+def test_arrays_of_results_are_lists_of_numbers():
+    speeds = vd.modes("small_car", speed=[10.0, 20.0])["speed"]
+    again = vd.modes("small_car", speed=speeds)["speed"]
+    assert list(again) == [10.0, 20.0]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from html import escape
 from typing import TYPE_CHECKING, Any
@@ -120,6 +120,10 @@ class LabelledArray(NDArrayOperatorsMixin):
     def __getitem__(self, key: Any) -> Any:
         """Return some of the values."""
         return self.values[key]
+
+    def __iter__(self) -> Iterator[Any]:
+        """Go through the values along the first dimension."""
+        return iter(self.values)
 
     def __len__(self) -> int:
         """Return the length of the first dimension."""
