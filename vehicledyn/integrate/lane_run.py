@@ -30,7 +30,7 @@ def takes_lanes(solver: Any) -> bool:
 def suited_lanes(solver: Any, lanes: int | None) -> int | None:
     """Return how many lanes to make for a method: one where its cases run one after the other.
 
-    That is told where ``lanes`` asks for more; None leaves their number to the processor.
+    A note says so where ``lanes`` asks for more; None leaves their number to the processor.
     """
     if takes_lanes(solver):
         return lanes

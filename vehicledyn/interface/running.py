@@ -140,8 +140,8 @@ def warn_of(notes: Iterable[str]) -> None:
 
 def _warn(data: LabelledData) -> None:
     """Issue what the notes warn of, and that an analysis is not whole."""
-    told = (getattr(data.report, name, ()) for name in ("notes", "messages"))
-    warn_of([*data.notes, *chain(*told)])
+    remarks = (getattr(data.report, name, ()) for name in ("notes", "messages"))
+    warn_of([*data.notes, *chain(*remarks)])
     if not data.is_whole:
         text = f"{data.status}: {data.status_message}" if data.status_message else data.status
         _issue(f"the {data.kind} is not whole: {text}", UnfinishedWarning)

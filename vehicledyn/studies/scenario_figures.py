@@ -60,7 +60,7 @@ class ScenarioFigures(Protocol):
 
     @property
     def units(self) -> Mapping[str, str | None]:
-        """Units of the figures by name, None where only a run tells."""
+        """Units of the figures by name, None where only a run shows them."""
 
     def at(
         self,
@@ -140,7 +140,7 @@ class RunFigures:
 
     @property
     def units(self) -> Mapping[str, str | None]:
-        """Units of the figures by name, None of those that only a run tells."""
+        """Units of the figures by name, None of those that only a run shows."""
         channels = {c.name: c.unit for c in self.study.prepared.equations.channels}
         found: dict[str, str | None] = dict.fromkeys(self.asked.others)
         for kind, channel in self.asked.figures:

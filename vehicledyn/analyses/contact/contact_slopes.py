@@ -211,7 +211,7 @@ class ContactSlopes:
 
 
 def _jumps(shifts: Floats, places: Floats, rates: Floats) -> str:
-    """Return where contacts jump between shifts, told by places (n, 2) and how fast these move."""
+    """Return where contacts jump between shifts, from places (n, 2) and how fast these move."""
     expected = 0.5 * np.diff(shifts)[:, None] * (rates[1:] + rates[:-1])
     leaps = np.abs(np.diff(places, axis=0) - expected)
     where = np.flatnonzero((leaps > 0.25 * np.abs(expected) + _LEAP).any(axis=1))

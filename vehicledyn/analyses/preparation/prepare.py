@@ -109,7 +109,7 @@ def prepare(
     may_know = varies_states and change is None and backend != "interpreted"
     key = (key_of(target, "varied") if may_know else None) or ""
     derived, kernel = remembered(target, subject, key)
-    with recorded_warnings() as told:
+    with recorded_warnings() as warnings:
         if check is not None:
             check(derived)
         if kernel is not None:
@@ -118,7 +118,7 @@ def prepare(
         kernel = compile_kernel(
             derived.equations, backend=backend, progress=progress, evaluations=evaluations
         )
-    if key and kernel.key and not told:
+    if key and kernel.key and not warnings:
         remember_derived(derived, kernel)
     return Prepared(subject, derived.equations, kernel, derived)
 

@@ -158,7 +158,7 @@ def unconfirmed_sums(
     slopes = [_slope(motion, kind, place) for kind, place in sums]
     try:
         missed = _missed(study, chosen, sums, np.array(slopes))
-    except NumericalError:  # told of the curves
+    except NumericalError:  # reported with the curves
         return []
     return [
         f"warning: runs with parameters changed by 0.1 % do not confirm the derivatives of "

@@ -1,4 +1,4 @@
-"""What a figure is of, told from its name."""
+"""What a figure is of, read from its name."""
 
 from __future__ import annotations
 

@@ -28,7 +28,7 @@ Loaded: TypeAlias = tuple[Finder, tuple[type, ...]]
 class Analysis:
     """An analysis whose figures have derivatives.
 
-    ``owns`` tells whether a name is that of one of its figures. ``has_speed`` says whether it
+    ``owns`` says whether a name is that of one of its figures. ``has_speed`` says whether it
     takes a speed of its own, ``subject`` what it is of: a model or scenario, a scenario alone, or
     a file of its own.
     """
@@ -106,7 +106,7 @@ def _run() -> Loaded:
 
 
 def _called(name: str) -> Callable[[str], bool]:
-    """Return what tells names such as ``inverse(...)``."""
+    """Return what recognises names such as ``inverse(...)``."""
     form = re.compile(rf"{name}\(.*\)")
     return lambda text: form.fullmatch(text) is not None
 

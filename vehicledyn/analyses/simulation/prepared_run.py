@@ -35,7 +35,7 @@ def prepare_run(
     found = None if memory is None else _from_memory(loaded, memory)
     if found is not None:
         return found
-    with recorded_warnings() as told:
+    with recorded_warnings() as warnings:
         prepared = prepare(
             loaded,
             backend=backend,
@@ -51,7 +51,7 @@ def prepare_run(
             refuse_sunk_wheels(prepared, start)
             refuse_open_contacts(prepared, start)
     prepared.look = look_of(prepared)
-    if key is not None and prepared.kernel.key and not told:
+    if key is not None and prepared.kernel.key and not warnings:
         remember(key, _memory_of(prepared, start))
     return prepared, start
 

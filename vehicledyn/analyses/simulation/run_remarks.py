@@ -1,4 +1,4 @@
-"""What a run of a scenario is told beside its results: mended, steep, gapped and unlike things."""
+"""Notes of a run on its inputs: mended profiles, steep and gapped roads, unlike tyres."""
 
 from __future__ import annotations
 

@@ -136,8 +136,8 @@ class LaneChangeTest(DrivingTest):
         else:
             section = _SECTIONS[len(kept)]
             speed = float(signals.speed[-1])
-            told = f"the run ends before the car has left section {section}, at {speed:.2g} m/s"
-            yield from entry("unfinished", told, "", "Why there is no verdict")
+            reason = f"the run ends before the car has left section {section}, at {speed:.2g} m/s"
+            yield from entry("unfinished", reason, "", "Why there is no verdict")
         for number, item in zip(_SECTIONS, found, strict=True):
             words = f"Section {number}: smallest clearance of a corner"
             yield from entry(f"clearance_{number}", item.clearance, "m", words)

@@ -11,7 +11,7 @@ from vehicledyn.road.wheel.road_wheel import RoadWheel
 from vehicledyn.symbolic import ops
 
 _APART = 0.02
-"""Part of the radius by which a wheel differs from its tyre that is told [1]."""
+"""Part of the radius by which a wheel differs from its tyre that is reported [1]."""
 
 _KEYS = ("UNLOADED_RADIUS", "VERTICAL_STIFFNESS")
 
