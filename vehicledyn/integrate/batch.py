@@ -1,10 +1,10 @@
 """Run many cases of one model, each with parameters and a start of its own.
 
-Methods with steps of one size, explicit and implicit, carry several cases side by side in SIMD
-lanes, see :mod:`vehicledyn.kernel.lanes`; everything else runs case by case on the kernel itself. A
-case in which an event fires, a loop comes near to a singular configuration, or Newton's method does
-not converge, leaves its lane and is run by itself, the others go on. The results of a case are the
-same, bit for bit, whatever the number of lanes and its neighbours.
+Methods with steps of one size, and Newmark's family, carry cases side by side in SIMD lanes, see
+:mod:`vehicledyn.kernel.lanes`; others run case by case on the kernel itself. A case in which an
+event fires, a loop comes near to a singular configuration, or Newton's method does not converge,
+leaves its lane and is run by itself, the others go on. The results of a case are the same, bit for
+bit, whatever the number of lanes and its neighbours.
 """
 
 from __future__ import annotations
@@ -254,7 +254,7 @@ def _abreast(batch: Batch, cases: Cases, samples: Samples, alone: SingleCase) ->
     plan, solver = alone.plan, alone.solver
     per_interval = steps_per_interval(getattr(solver, "step", 0.0), plan.interval)
     times = plan.start, plan.interval, per_interval, plan.n_samples - 1
-    grid = Grid.of(solver, *times) or Grid(0, *times)
+    grid = Grid.of(solver, *times)
     further = [] if alone.rates is None else list(alone.rates.channels)
     for first in range(0, len(cases), batch.lanes):
         group = cases.part(slice(first, first + batch.lanes))
@@ -268,10 +268,11 @@ def _abreast(batch: Batch, cases: Cases, samples: Samples, alone: SingleCase) ->
         if further:
             samples[first : first + batch.lanes] = room[:, :, : len(plan.channels)]
         ends = _ends(batch, alone, run, room)
-        judging = watch, lambda lane, first=first: alone.judged(first + lane), alone.plan
-        _judge(ends, room, judging, partial(make, 2 * per_interval))
+        if watch:
+            judging = watch, lambda lane, first=first: alone.judged(first + lane), alone.plan
+            _judge(ends, room, judging, partial(make, 2 * per_interval))
         for lane, end in enumerate(ends):
-            if end is None or (end.accuracy is None and not end.failed):
+            if end is None or (watch and end.accuracy is None and not end.failed):
                 samples[first + lane] = np.nan
                 ends[lane] = alone.run(cases, first + lane, samples[first + lane])
         yield tuple(end for end in ends if end is not None)
@@ -297,8 +298,7 @@ def _lane_run(
     )
     if hasattr(solver, "fixed_method"):
         return FixedLaneRun(*given, method=solver.fixed_method)
-    weights = solver.weights.settled(len(batch.kernel.equations.states))
-    return NewmarkLaneRun(*given, method=LaneMethod(batch.kernel, weights))
+    return NewmarkLaneRun(*given, method=LaneMethod.of(batch.kernel, solver))
 
 
 def _ends(batch: Batch, alone: SingleCase, run: LaneRun, room: Samples) -> list[CaseEnd | None]:
@@ -330,7 +330,7 @@ def _judge(
     is_open = []
     for lane, end in enumerate(ends):
         if end is not None and not end.failed:
-            found = watch.accuracy(lane, room[lane, :, :width])
+            found = watch.accuracy(lane, judged(lane), plan.times, room[lane, :, :width])
             ends[lane] = replace(end, accuracy=found)
             is_open += [lane] if found is None else []
     numbers = max(room.size, 2 * len(plan.times) * len(watch.kernel.equations.channels))

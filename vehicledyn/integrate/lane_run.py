@@ -1,4 +1,4 @@
-"""Cases that run side by side with steps of one size, from their start to their end."""
+"""Cases that run side by side, from their start to their end."""
 
 from __future__ import annotations
 
@@ -17,14 +17,11 @@ _log = logging.getLogger(__name__)
 
 
 def takes_lanes(solver: Any) -> bool:
-    """Return whether cases of a method run side by side: with steps of one size.
+    """Return whether cases of a method run side by side: where steps have one size.
 
-    Implicit ones do where the rates close the loops.
+    Newmark's family does where the rates close the loops, with a tolerance too.
     """
-    if hasattr(solver, "fixed_method"):
-        return True
-    has_one_size = getattr(solver, "monitored_method", None) is not None
-    return has_one_size and solver.constraints == "reduced"
+    return hasattr(solver, "fixed_method") or getattr(solver, "constraints", "") == "reduced"
 
 
 def suited_lanes(solver: Any, lanes: int | None) -> int | None:
@@ -53,7 +50,7 @@ class Stopped:
 
 @dataclass
 class LaneRun(ABC):
-    """Cases that run side by side with steps of one size, changed in place as they advance.
+    """Cases that run side by side, changed in place as they advance.
 
     ``state`` and ``unknowns`` are in lanes; ``good`` counts the good steps of each lane. A lane
     stops where the determinant of a block falls below the part ``weak`` of the largest so far, or

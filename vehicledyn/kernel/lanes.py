@@ -27,7 +27,7 @@ _SIGNATURES: dict[str, tuple[Any, Sequence[Any]]] = {
     "vd_prepare_lanes": (None, [_P, _P]),
     "vd_rates_lanes": (_I, [_D, *[_P] * 7]),
     "vd_begin_lanes": (_I, [_D, _P, _P, _P, _I, _P, _P, _L, _P, _P, _P, _P]),
-    "vd_evaluate_lanes": (_I, [_D, *[_P] * 7]),
+    "vd_evaluate_lanes": (_I, [_P] * 8),
     "vd_follow_lanes": (_I, [_D, _I, _D, _P, _P, _P, _D, _I, _P, _P, _L, *[_P] * 5]),
     "vd_advance_lanes": (
         _I,

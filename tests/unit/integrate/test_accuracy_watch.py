@@ -19,7 +19,7 @@ from vehicledyn.integrate.accuracy.proposed_step import (
 from vehicledyn.integrate.accuracy.windows import WindowEnds, window_places
 from vehicledyn.integrate.batch import Cases, make_batch, run_batch
 from vehicledyn.integrate.estimated_accuracy import Accuracy, worst_of
-from vehicledyn.integrate.judged_quantities import Judged
+from vehicledyn.integrate.judged_quantities import EnergyBalance, Judged
 from vehicledyn.integrate.methods.generalised_alpha import GeneralisedAlpha
 from vehicledyn.integrate.methods.newmark import Newmark
 from vehicledyn.integrate.methods.rk4 import RungeKutta4
@@ -234,6 +234,32 @@ def test_lanes_judge_as_single_cases_do(step, expected):
     assert ends[0] == ends[1]
     judged = [end.accuracy.verdict if end.accuracy else "diverged" for end in ends[0]]
     assert (judged[0], judged[-1]) == expected
+
+
+def test_lanes_judge_the_energy_as_single_cases_do():
+    """The position alone is accurate by the windows; the balance of the energy asks for a look."""
+    equations = swinging()
+    kernel = compile_kernel(equations, backend="compiled")
+    given = ([item.value for item in equations.parameters], [1.0, 0.0], [])
+    cases = Cases(*[np.tile(row, (4, 1)) for row in given])
+
+    def balance(times, samples, *, rough):
+        """Return a loss of energy that the steps cause, a third less in a run of half the step."""
+        lost = abs(samples[-1, 0] - np.cos(20.0 * times[-1]))
+        return EnergyBalance(1.0 + 1e6 * lost, 1.0)
+
+    def judged(_):
+        channels = [equations.channels.index(c) for c in equations.channels if c.name == "place"]
+        figures = lambda times, samples: {"last": (float(samples[-1, 0]), "m")}  # noqa: E731
+        return Judged(channels, figures, by_itself=False, balance=balance)
+
+    span = {"start": 0.0, "stop": 10.0, "interval": 0.1, "channels": [0, 1, 2], "judged": judged}
+    method = RungeKutta4(step=0.002)
+    alone, abreast = (
+        run_batch(make_batch(kernel, lanes=n), method, cases, **span).ends for n in (1, 4)
+    )
+    assert alone == abreast
+    assert {end.accuracy.verdict for end in alone} == {"inaccurate"}
 
 
 def test_a_figure_is_what_counts():

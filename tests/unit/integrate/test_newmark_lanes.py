@@ -95,10 +95,11 @@ def hard_stop():
     )  # fmt: skip
 
 
-def test_steps_are_halved_in_the_lanes_that_ask_for_it(lanes, left):
+@pytest.mark.parametrize("more", [{}, {"tolerance": 1e-6}])
+def test_steps_are_halved_in_the_lanes_that_ask_for_it(lanes, left, more):
     kernel = compile_kernel(hard_stop(), backend="compiled")
     cases = cases_of(kernel.equations, k=10.0 ** np.linspace(3.0, 9.0, lanes + 4))
-    method, counts = solver(step=0.025), []
+    method, counts = solver(step=0.025, **more), []
     for number in range(len(cases)):
         own = kernel.with_parameters(cases.parameters[number])
         start = {"state": cases.states[number], "unknowns": []}
@@ -108,6 +109,20 @@ def test_steps_are_halved_in_the_lanes_that_ask_for_it(lanes, left):
     abreast, alone, by_themselves = both(kernel, lanes, method, cases, left)
     assert same(abreast.samples, alone.samples)
     assert len(set(range(len(cases))) - set(by_themselves)) > 0
+    assert not (more and by_themselves)
+
+
+@pytest.mark.parametrize("example", [slider_crank, double_pendulum])
+def test_lanes_with_a_tolerance_change_nothing(lanes, left, example):
+    equations = example()
+    kernel = compile_kernel(equations, backend="compiled")
+    name, value = equations.parameters[-1].name, equations.parameters[-1].value
+    cases = cases_of(equations, **{name: value * np.linspace(0.6, 1.4, lanes + 3)})
+    method = solver("hht", 0.05, tolerance=1e-7)
+    abreast, alone, by_themselves = both(kernel, lanes, method, cases, left)
+    assert by_themselves == []
+    assert same(abreast.samples, alone.samples)
+    assert abreast.ends == alone.ends
 
 
 def test_only_cases_with_events_leave_their_lanes(lanes, left):
@@ -163,9 +178,8 @@ def test_cases_that_need_pivots_run_by_themselves(lanes, left):
     assert same(abreast.samples, alone.samples)
 
 
-@pytest.mark.parametrize("more", [{"tolerance": 1e-6}, {"constraints": "index3"}])
-def test_other_steps_are_taken_case_by_case(needs_compiler, left, more):
-    method = solver(**more)
+def test_steps_with_multipliers_are_taken_case_by_case(needs_compiler, left):
+    method = solver(constraints="index3")
     batch = make_batch(compile_kernel(oscillator(), backend="compiled"))
     assert not batches._runs_in_lanes(batch, method)
 
@@ -204,7 +218,7 @@ def test_lanes_are_judged_by_half_the_step_where_windows_do_not_suffice(lanes, l
     ("kind", "settings", "lanes"),
     [
         ("hht", {"step": 1e-2}, 8),
-        ("hht", {"step": 1e-2, "tolerance": 1e-5}, 1),
+        ("hht", {"step": 1e-2, "tolerance": 1e-5}, 8),
         ("newmark", {"step": 1e-2, "constraints": "index3"}, 1),
         ("dop853", {"relative_tolerance": 1e-6, "absolute_tolerance": 1e-6}, 1),
     ],

@@ -153,14 +153,14 @@ VD_EXPORT int vd_begin_lanes(double t, const real *x, real *z, const real *c, in
   return hand_out(&course, status, where, residual);
 }
 
-/* Solve the blocks of the lanes that go on, from a guess in z, and find the rates. */
-VD_EXPORT int vd_evaluate_lanes(double t, const real *x, real *z, const real *c, real *rate,
+/* Solve the blocks of the lanes that go on, each at a time of its own, from a guess in z, and find
+   the rates. */
+VD_EXPORT int vd_evaluate_lanes(const real *t, const real *x, real *z, const real *c, real *rate,
                                 int *status, int *where, double *residual) {
   struct course course;
-  const real now = vd_all(t);
   resume(&course, status, where, residual);
-  solve_blocks(now, x, z, c, &course);
-  rates(&now, x, z, c, rate);
+  solve_blocks(*t, x, z, c, &course);
+  rates(t, x, z, c, rate);
   return hand_out(&course, status, where, residual);
 }
 

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
+from vehicledyn.integrate.accuracy.half_step_run import energy_is_off, lost_energy
 from vehicledyn.integrate.accuracy.monitor import AccuracyMonitor, Windows, finer_steps, most_bound
-from vehicledyn.integrate.accuracy.monitored_run import MethodAndStep
+from vehicledyn.integrate.accuracy.monitored_run import MethodAndStep, Rerun
 from vehicledyn.integrate.accuracy.windows import (
     HALF,
     SPENT,
@@ -99,7 +101,9 @@ class LaneMonitor:
                 found.append(room[lane, 0] if status is Status.SOLVED else failed)
         return found
 
-    def accuracy(self, lane: int, samples: Samples) -> Accuracy | None:
+    def accuracy(
+        self, lane: int, judged: Judged, times: Vector, samples: Samples
+    ) -> Accuracy | None:
         """Return what is to be said of a lane at its end, None if that takes a closer look.
 
         ``samples`` are those of the lane, shape (n_samples, n_columns).
@@ -118,6 +122,12 @@ class LaneMonitor:
         bound, worst = found.bound()
         if bound > most_bound(self.kernel, self.grid):
             return None
+        if judged.balance is not None:
+            if self.channels != judged.channels:
+                return None
+            watch = self._watch(lane, judged, times, self._outputs(samples), _no_rerun)
+            if energy_is_off(watch) or lost_energy(watch) > 0.0:
+                return None
         name = self.kernel.equations.channels[self.channels[worst]].name
         return Accuracy("accurate", bound, f"'{name}'", None, SPENT * len(found.numbers))
 
@@ -150,13 +160,7 @@ class LaneMonitor:
             steps = parts * count * self.grid.per_interval
             return Statistics("", "", count + 1, steps, 0, 0, 0.0, 0.0)
 
-        watch = AccuracyMonitor(self.kernel.equations, self.grid, judged, rerun)
-        states = np.zeros((len(times), len(self.kernel.equations.states)))
-        watch.take(self.kernel, times, states, np.zeros((len(times), 0)), known)
-        watch.measure_kept()
-        kinds = watch.ranges.kinds(self.kernel.equations)
-        for ends in self.ends:
-            watch.take_end(kinds, np.array(self.channels), ends[lane])
+        watch = self._watch(lane, judged, times, known, rerun)
         rows, halves = _of_lane(self.differences, lane), _of_lane(self.halves, lane)
         found = Windows.of(rows, self.grid, watch.ranges, len(times))
         if watch.hidden(found, halves) is not None:
@@ -166,6 +170,20 @@ class LaneMonitor:
             return watch.judge(places, rows, lambda: halves, ended_early=False)
         except _OtherRunError:
             return None
+
+    def _watch(
+        self, lane: int, judged: Judged, times: Vector, outputs: Vector, rerun: Rerun
+    ) -> AccuracyMonitor:
+        """Return the watch of a case by itself that has the samples of a lane."""
+        equations = self.kernel.equations
+        watch = AccuracyMonitor(equations, self.grid, judged, rerun)
+        nothing = np.zeros((len(times), len(equations.states))), np.zeros((len(times), 0))
+        watch.take(self.kernel, times, *nothing, outputs)
+        watch.measure_kept()
+        kinds = watch.ranges.kinds(equations)
+        for ends in self.ends:
+            watch.take_end(kinds, np.array(judged.channels), ends[lane])
+        return watch
 
     def _outputs(self, samples: Samples) -> Vector:
         """Return samples with a column for each channel, not a number where it is not kept."""
@@ -184,6 +202,14 @@ class _OtherRunError(Exception):
     """A run is asked for that was not taken in lanes."""
 
 
-def lane_watch(kernel: Kernel, grid: Grid, judged: Judged, columns: list[int]) -> LaneMonitor:
-    """Return a watch of lanes whose samples hold the channels ``columns``."""
+def _no_rerun(*_: Any) -> Statistics:
+    raise _OtherRunError
+
+
+def lane_watch(
+    kernel: Kernel, grid: Grid | None, judged: Judged, columns: list[int]
+) -> LaneMonitor | None:
+    """Return a watch of lanes whose samples hold the channels ``columns``, None without a grid."""
+    if grid is None:
+        return None
     return LaneMonitor(kernel, grid, [k for k in judged.channels if k in columns], columns)

@@ -102,7 +102,7 @@ class CompiledConstrainedSteps(CompiledLoop[ConstrainedPlace]):
     def go_to(self, place: ConstrainedPlace) -> None:
         """Let the run go on from a place."""
         at, arrays, m = self.record.at, self._arrays, self._functions.sizes[2]
-        at.time, at.size[0] = place.point.time, place.size
+        at.time[0], at.size[0] = place.point.time, place.size
         self.record.constrained.back_from = np.nan
         arrays["at.x"][:], arrays["at.z"][:] = place.point.state, place.point.unknowns
         arrays["at.rates"][:] = np.concatenate([place.instant.acceleration, place.other_rate])
@@ -118,7 +118,7 @@ class CompiledConstrainedSteps(CompiledLoop[ConstrainedPlace]):
         """Find the factors for the step that is wanted, and a Jacobian where it is stale."""
         record, own = self.record, self.record.matrix[0]
         is_new = bool(own.is_stale or not own.has_jacobian)
-        size = record.wanted - record.at.time
+        size = record.wanted - record.at.time[0]
         place = self.place
         if self._steps.is_resized(place, size):
             self._arrays["back"][:] = self._steps.way_back(place)
@@ -164,8 +164,8 @@ class CompiledConstrainedSteps(CompiledLoop[ConstrainedPlace]):
             x[list(places)] for places in (e.positions, e.velocities, e.others)
         )
         return ConstrainedPlace(
-            Point(at.time, x, z),
-            Instant(at.time, position, velocity, rates[:n], forces[:m], other),
+            Point(at.time[0], x, z),
+            Instant(at.time[0], position, velocity, rates[:n], forces[:m], other),
             (auxiliary[:n], auxiliary[n:]),
             rates[n:],
             forces[m:] if self._is_stabilised else forces[:0],

@@ -241,7 +241,7 @@ class CompiledSteps(CompiledLoop[ReducedPlace]):
     def go_to(self, place: ReducedPlace) -> None:
         """Let the run go on from a place."""
         at, arrays = self.record.at, self._arrays
-        at.time, at.size[0] = place.point.time, place.size
+        at.time[0], at.size[0] = place.point.time, place.size
         arrays["at.x"][:], arrays["at.z"][:] = place.point.state, place.point.unknowns
         arrays["at.rates"][:], arrays["at.auxiliary"][:] = place.rates, place.auxiliary
         arrays["at.change"][:] = 0.0 if place.change is None else place.change
@@ -261,4 +261,4 @@ class CompiledSteps(CompiledLoop[ReducedPlace]):
             for part in ("x", "z", "rates", "auxiliary", "change", "drift")
         )
         known = (change, drift) if at.size[0] else (None, None)
-        return ReducedPlace(Point(at.time, x, z), rates, auxiliary, at.size[0], *known)
+        return ReducedPlace(Point(at.time[0], x, z), rates, auxiliary, at.size[0], *known)

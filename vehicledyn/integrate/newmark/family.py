@@ -25,7 +25,14 @@ from vehicledyn.integrate.newmark.compiled_constrained import CompiledConstraine
 from vehicledyn.integrate.newmark.compiled_steps import CompiledLoop, CompiledSteps
 from vehicledyn.integrate.newmark.constrained_steps import ConstrainedSteps
 from vehicledyn.integrate.newmark.reduced_steps import ReducedSteps
-from vehicledyn.integrate.newmark.weights import SHORTEST, Constraints, Velocities, Weights
+from vehicledyn.integrate.newmark.weights import (
+    FIRST_HALVINGS,
+    SHORTEST,
+    TINY,
+    Constraints,
+    Velocities,
+    Weights,
+)
 from vehicledyn.integrate.task import SampleBuffer, Statistics, StepError, Task
 from vehicledyn.kernel.compiled import CompiledEngine
 from vehicledyn.kernel.engine import Count, Status, Vector
@@ -35,9 +42,6 @@ _log = logging.getLogger(__name__)
 
 _CHUNK_SECONDS, _FIRST_CHUNK, _GROWTH = 0.08, 16, 8
 
-_TINY = 1e-9
-"""Part of the longest step below which halving gives up where the error asks for it."""
-_FIRST_HALVINGS = 6
 _ROOM = 0.08
 """Error below which a step is doubled: by order three it grows eightfold, with some reserve."""
 
@@ -141,7 +145,7 @@ def _run_compiled(
     record.per_interval = steps_per_interval(step, task.interval)
     record.last = task.n_intervals * record.per_interval
     record.tolerance = tolerance or 0.0
-    record.shortest = SHORTEST if tolerance is None else _TINY
+    record.shortest = SHORTEST if tolerance is None else TINY
     SampleBuffer(task, task.state, task.unknowns).flush()
     begun = _begun(task, steps)
     steps.go_to(begun)
@@ -195,7 +199,7 @@ def _first_halvings(tolerance: float | None, whole: float, size: float) -> int:
     """
     if size:
         return max(0, round(math.log2(whole / size)))
-    return 0 if tolerance is None else _FIRST_HALVINGS
+    return 0 if tolerance is None else FIRST_HALVINGS
 
 
 def _cross_compiled(steps: CompiledLoop[P]) -> None:
@@ -210,7 +214,7 @@ def _refuse(steps: CompiledLoop[P], outcome: Outcome) -> None:
     """Raise what the interpreted loop raises where a run cannot go on."""
     task, record, ledger = steps.task, steps.record, steps.ledger
     if outcome in (Outcome.STUCK, Outcome.INEXACT):
-        size = 0.5 * (record.to - record.at.time)
+        size = 0.5 * (record.to - record.at.time[0])
         raise _stuck(task, steps.place, size, is_inexact=outcome is Outcome.INEXACT)
     if outcome in (Outcome.UNSOLVED, Outcome.INACCURATE):
         unsolved = outcome is Outcome.UNSOLVED
@@ -282,7 +286,7 @@ class _March(Generic[P]):
 
     def _halve(self, place: P, size: float, whole: float, found: P | None) -> None:
         self.halvings = max(self.halvings, round(math.log2(whole / size))) + 1
-        if 0.5**self.halvings < (SHORTEST if self.tolerance is None else _TINY):
+        if 0.5**self.halvings < (SHORTEST if self.tolerance is None else TINY):
             raise _stuck(self.task, place, 0.5 * size, is_inexact=found is not None)
 
     def _error(self, before: P, after: P) -> float:

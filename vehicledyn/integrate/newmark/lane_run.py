@@ -1,6 +1,6 @@
-"""Cases that take steps of Newmark's family side by side, all of one size.
+"""Cases that take steps of Newmark's family side by side, of one size or by their error.
 
-Each lane has its own Jacobian and factors, and iterates until it converges; see
+Each lane has its own Jacobian, factors and halvings, and iterates until it converges; see
 kernel/newmark/lanes.c. Its numbers are those of the case by itself, whatever its neighbours.
 """
 
@@ -16,18 +16,35 @@ from vehicledyn.integrate.lane_run import LaneRun
 from vehicledyn.integrate.newmark.matrix_pattern import matrix_pattern
 from vehicledyn.integrate.newmark.matrix_storage import enter_pattern, matrix_storage
 from vehicledyn.integrate.newmark.reduced_steps import ReducedForm
-from vehicledyn.integrate.newmark.weights import SHORTEST, Weights
+from vehicledyn.integrate.newmark.weights import FIRST_HALVINGS, SHORTEST, TINY, Weights
 from vehicledyn.kernel.engine import Vector
 from vehicledyn.kernel.kernel import Kernel
-from vehicledyn.kernel.newmark.newmark_code import PlaceRecord, RunRecord, newmark_lanes
+from vehicledyn.kernel.newmark.newmark_code import (
+    MOST_LANES,
+    PlaceRecord,
+    RunRecord,
+    newmark_lanes,
+)
 
 
 @dataclass(frozen=True)
 class LaneMethod:
-    """What all cases of a model have in common: its kernel and the weights of a step."""
+    """What all cases of a model have in common: kernel, weights and tolerance of a step.
+
+    The tolerance is that of the local error, None where steps have one size.
+    """
 
     kernel: Kernel
     weights: Weights
+    tolerance: float | None = None
+
+    @classmethod
+    def of(cls, kernel: Kernel, solver: Any) -> LaneMethod:
+        """Return that of the settings of a method, as ``run_newmark`` takes them."""
+        weights, tolerance = solver.weights, solver.tolerance
+        if tolerance is None:
+            weights = weights.settled(len(kernel.equations.states))
+        return cls(kernel, weights, tolerance)
 
 
 @dataclass
@@ -49,7 +66,8 @@ class NewmarkLaneRun(LaneRun):
         record = self._record
         if not self._has_begun:
             self._arrays["at.x"][:], self._arrays["at.z"][:] = self.state, self.unknowns
-            record.at.time = self.start + self.interval * (self.step // self.per_interval)
+            begin = self.start + self.interval * (self.step // self.per_interval)
+            record.at.time[:] = [begin] * MOST_LANES
             self._has_begun = True
             self._code.begin(record)
         record.last = self.step + n_steps
@@ -112,6 +130,9 @@ class NewmarkLaneRun(LaneRun):
         record.share = w.share
         record.start, record.interval = self.start, self.interval
         record.per_interval, record.step = self.per_interval, self.step
-        record.shortest = SHORTEST
+        record.tolerance = self.method.tolerance or 0.0
+        record.shortest = TINY if record.tolerance else SHORTEST
+        for own in record.matrix if record.tolerance else ():
+            own.halvings = FIRST_HALVINGS
         enter_pattern(record, pattern)
         return record

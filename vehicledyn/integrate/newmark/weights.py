@@ -25,6 +25,10 @@ ones, those of the nearest motion on the constraints."""
 
 SHORTEST = 1e-4
 """Part of a step below which halving gives up where Newton's method asks for it."""
+TINY = 1e-9
+"""Part of the longest step below which halving gives up where the error asks for it."""
+FIRST_HALVINGS = 6
+"""How often the first step is halved where the error is watched, which is unknown at a start."""
 
 _SHARE = 1e-2
 FEW_STATES = 4

@@ -32,7 +32,7 @@ static void place_at(const struct run *m, double *point) {
   const long long n = m->n_pairs;
   double *q = point + 1, *v = q + n, *lift = v + n, *forces = lift + n;
   double *other = forces + c->n_multipliers;
-  point[0] = at->time;
+  point[0] = at->time[0];
   for (long long i = 0; i < n; i++) {
     q[i] = at->x[m->positions[i]];
     v[i] = at->x[m->velocities[i]];
@@ -98,7 +98,7 @@ static void begin_trial(struct run *m, double end, struct trial *s, double *old)
   const struct constrained *c = &m->constrained;
   const struct place *at = &m->at;
   const long long n = m->n_pairs, k = c->n_others;
-  const double h = s->h = end - at->time, mass = c->first_order_mass;
+  const double h = s->h = end - at->time[0], mass = c->first_order_mass;
   const double shift = m->alpha_m - m->alpha_f;
   const double ratio = at->size[0] != 0.0 ? h / at->size[0] : 0.0;
   const int is_carried = at->size[0] != 0.0 && h != at->size[0];
@@ -148,7 +148,7 @@ static int accept_trial(struct run *m, const struct trial *s, double end, const 
     found->rates[n + i] = (c->first_order_mass * s->r[i] + s->lag[i]) / (1.0 - m->alpha_f);
     found->change[n + i] = 0.0;
   }
-  found->time = end, found->size[0] = s->h;
+  found->time[0] = end, found->size[0] = s->h;
   return TAKEN;
 }
 
@@ -262,9 +262,9 @@ static int iterate_constrained(struct run *m, double end, int is_fresh) {
 
 /* Take a step from m->at to m->found; Python finds Jacobian and factors for steps to m->wanted. */
 static int constrained_step(struct run *m, double end) {
-  const double h = end - m->at.time;
+  const double h = end - m->at.time[0];
   const int fits = m->matrix->size != 0.0 && fabs(h - m->matrix->size) <= SAME * m->matrix->size;
-  const int lacks_back = is_resized(m, h) && m->constrained.back_from != m->at.time;
+  const int lacks_back = is_resized(m, h) && m->constrained.back_from != m->at.time[0];
   m->wanted = end;
   if (m->matrix->is_stale || !m->matrix->has_jacobian || !fits || lacks_back) return NEEDS_JACOBIAN;
   const int is_new = m->matrix->has_jacobian == FRESH;

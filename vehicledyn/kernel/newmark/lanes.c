@@ -1,6 +1,6 @@
-/* Cases side by side with steps of one size, halved where Newton's method asks for it. A lane in
-   which an event fires, or that needs full factors or other derivatives, stops with EVENT: it is run
-   by itself. */
+/* Cases side by side, whose whole steps end together; each lane halves its own where Newton's method
+   or the error asks for it. A lane in which an event fires, or that needs full factors or other
+   derivatives, stops with EVENT: it is run by itself. */
 
 static vd_mask going(const struct run *m) {
   real open = vd_all(0.0);
@@ -15,9 +15,9 @@ static void leave(struct run *m, int lane) {
   m->lane_residual[lane] = 0.0;
 }
 
-/* Try a step of some lanes to m->found; return those that take it. A lane that has failed with an
-   old Jacobian tries again with a new one. */
-static vd_mask try_step(struct run *m, double end, vd_mask wanted) {
+/* Try a step of some lanes to m->found, each to an end of its own; return those that take it. A lane
+   that has failed with an old Jacobian tries again with a new one. */
+static vd_mask try_step(struct run *m, real end, vd_mask wanted) {
   vd_mask taken = vd_every(0);
   for (int attempt = 0; attempt < 2 && vd_any(wanted); attempt++) {
     vd_mask again = vd_every(0);
@@ -31,7 +31,7 @@ static vd_mask try_step(struct run *m, double end, vd_mask wanted) {
       }
       ((double *)&is_old)[lane] = own->has_jacobian != FRESH;
       own->has_jacobian = KEPT;
-      if (!prepare_factors(m, lane, end - m->at.time)) leave(m, lane);
+      if (!prepare_factors(m, lane, VD_LANE(end, lane) - m->at.time[lane])) leave(m, lane);
     }
     wanted = vd_and(wanted, going(m));
     taken = vd_or(taken, iterate(m, end, wanted));
@@ -56,13 +56,8 @@ static void go_on(struct run *m, vd_mask lanes) {
   take_over(m->n_rows, lanes, found->change, at->change);
   take_over(m->n_unknowns, lanes, found->drift, at->drift);
   for (int lane = 0; lane < VD_LANES; lane++)
-    if (VD_HOLDS(lanes, lane)) at->size[lane] = found->size[lane];
-}
-
-static vd_mask only(int lane) {
-  real own = vd_all(0.0);
-  ((double *)&own)[lane] = 1.0;
-  return vd_true(own);
+    if (VD_HOLDS(lanes, lane))
+      at->time[lane] = found->time[lane], at->size[lane] = found->size[lane];
 }
 
 /* Watch the events of a lane at the end of a part of a step. */
@@ -75,53 +70,70 @@ static void watch_lane(struct run *m, int lane, double end) {
   if (status[lane] != SOLVED) leave(m, lane);
 }
 
-/* Take a step of one lane in parts, as run.c does; the others wait at its begin. */
-static void take_parts(struct run *m, int lane, double end) {
-  struct matrix *own = m->matrix + lane;
-  const double begin = m->at.time, whole = end - begin;
-  while (m->at.time < end && m->lane_status[lane] == SOLVED) {
-    const double part = whole * pow(0.5, (double)own->halvings), remaining = end - m->at.time;
-    const double to = part >= remaining * (1.0 - 1e-9) ? end : m->at.time + part;
-    if (!vd_any(try_step(m, to, only(lane)))) {
-      const long long needed = llround(log2(whole / (to - m->at.time)));
-      own->halvings = (own->halvings > needed ? own->halvings : needed) + 1;
-      if (pow(0.5, (double)own->halvings) < m->shortest) leave(m, lane);
-      continue;
-    }
-    go_on(m, only(lane));
-    m->at.time = to;
-    if (own->halvings) own->halvings--;
-    if (to < end) watch_lane(m, lane, to);
-  }
-  m->at.time = begin;
+/* Where the next part of a whole step of a lane ends. */
+static double end_of_part(const struct run *m, int lane) {
+  const double part = m->whole * pow(0.5, (double)m->matrix[lane].halvings);
+  const double at = m->at.time[lane], remaining = m->end - at;
+  return part >= remaining * (1.0 - 1e-9) ? m->end : at + part;
 }
 
-/* Take a step of all lanes at once, but for those that need parts. */
+/* Halve the part of a whole step that a lane has not taken, or that misses too much. */
+static void halve(struct run *m, int lane, double part) {
+  const long long needed = llround(log2(m->whole / part));
+  struct matrix *own = m->matrix + lane;
+  own->halvings = (own->halvings > needed ? own->halvings : needed) + 1;
+  if (pow(0.5, (double)own->halvings) < m->shortest) leave(m, lane);
+}
+
+/* The lanes that are under way to the end of a whole step, and where their parts end. */
+static vd_mask under_way(const struct run *m, real *to) {
+  real is_open = vd_all(0.0);
+  for (int lane = 0; lane < VD_LANES; lane++) {
+    const int waits = m->lane_status[lane] != SOLVED || m->at.time[lane] >= m->end;
+    ((double *)&is_open)[lane] = !waits;
+    ((double *)to)[lane] = waits ? m->at.time[lane] : end_of_part(m, lane);
+  }
+  return vd_true(is_open);
+}
+
+/* Take a whole step of all lanes, each in parts of its own as run.c does. */
 static void take_step(struct run *m, double end) {
-  real is_whole = vd_all(0.0);
-  for (int lane = 0; lane < VD_LANES; lane++)
-    ((double *)&is_whole)[lane] = m->matrix[lane].halvings == 0;
-  const vd_mask wanted = vd_and(going(m), vd_true(is_whole));
-  const vd_mask taken = try_step(m, end, wanted);
-  const vd_mask others = vd_and(going(m), vd_not(taken));
-  go_on(m, taken);
-  for (int lane = 0; lane < VD_LANES; lane++)
-    if (VD_HOLDS(others, lane)) {
-      if (VD_HOLDS(wanted, lane)) m->matrix[lane].halvings = 1;
-      take_parts(m, lane, end);
+  real to, is_good, error = vd_all(0.0);
+  vd_mask wanted;
+  m->whole = end - m->end;
+  m->end = end;
+  while (vd_any(wanted = under_way(m, &to))) {
+    const vd_mask taken = try_step(m, to, wanted);
+    if (m->tolerance > 0.0 && vd_any(taken)) {
+      const real h = abreast(m->found.size);
+      error = local_error(m, h, m->found.change, m->found.x) / m->tolerance;
     }
-  m->at.time = end;
+    is_good = vd_all(0.0);
+    for (int lane = 0; lane < VD_LANES; lane++) {
+      if (!VD_HOLDS(wanted, lane) || m->lane_status[lane] != SOLVED) continue;
+      if (VD_HOLDS(taken, lane) && VD_LANE(error, lane) <= 1.0) ((double *)&is_good)[lane] = 1.0;
+      else halve(m, lane, VD_LANE(to, lane) - m->at.time[lane]);
+    }
+    go_on(m, vd_true(is_good));
+    for (int lane = 0; lane < VD_LANES; lane++) {
+      struct matrix *own = m->matrix + lane;
+      if (VD_LANE(is_good, lane) == 0.0) continue;
+      if (VD_LANE(error, lane) < ROOM && own->halvings) own->halvings--;
+      if (m->at.time[lane] < end) watch_lane(m, lane, m->at.time[lane]);
+    }
+  }
 }
 
 /* Begin at m->at, whose unknowns are solved; returns whether any lane goes on. */
 VD_EXPORT int vd_newmark_begin(struct run *m) {
   const vd_mask open = going(m);
-  const vd_mask found = evaluate(m, open, m->at.time, m->at.x, m->at.z, m->constants, m->at.rates,
-                                 m->counts);
+  const vd_mask found = evaluate(m, open, abreast(m->at.time), m->at.x, m->at.z, m->constants,
+                                 m->at.rates, m->counts);
   for (int lane = 0; lane < VD_LANES; lane++)
     if (VD_HOLDS(open, lane) && !VD_HOLDS(found, lane)) leave(m, lane);
   for (long long k = 0; k < m->n_rows; k++) m->at.auxiliary[k] = m->at.rates[m->rows[k]];
   for (int lane = 0; lane < VD_LANES; lane++) m->at.size[lane] = 0.0;
+  m->end = m->at.time[0];
   return vd_any(going(m));
 }
 

@@ -5,7 +5,7 @@
 static const double PART = 3e-8, WEAKEST = 1e-3;
 
 #if VD_LANES == 1
-static vd_mask evaluate(struct run *m, vd_mask wanted, double t, const real *x, real *z,
+static vd_mask evaluate(struct run *m, vd_mask wanted, real t, const real *x, real *z,
                         const real *constants, real *rates, long long *counts) {
   (void)wanted;
   if (m->solve(t, x, z, constants, counts, m->figures)) return 0;
@@ -14,14 +14,14 @@ static vd_mask evaluate(struct run *m, vd_mask wanted, double t, const real *x, 
   return 1;
 }
 #else
-static vd_mask evaluate(struct run *m, vd_mask wanted, double t, const real *x, real *z,
+static vd_mask evaluate(struct run *m, vd_mask wanted, real t, const real *x, real *z,
                         const real *constants, real *rates, long long *counts) {
   int status[VD_LANES], where[VD_LANES] = {0};
   double residual[VD_LANES] = {0.0};
   real solved = vd_all(0.0);
   (void)counts;
   for (int lane = 0; lane < VD_LANES; lane++) status[lane] = VD_HOLDS(wanted, lane) ? SOLVED : EVENT;
-  m->lane_rates(t, x, z, constants, rates, status, where, residual);
+  m->lane_rates(&t, x, z, constants, rates, status, where, residual);
   for (int lane = 0; lane < VD_LANES; lane++) ((double *)&solved)[lane] = status[lane] == SOLVED;
   return vd_true(solved);
 }
@@ -36,7 +36,7 @@ static void spread_lane(long long n, int lane, const real *from, real *to) {
    no finite numbers there. The first pass has the rates of the place itself in its first lane. */
 static int find_jacobian(struct run *m, int lane) {
   const struct pattern *p = &m->pattern;
-  const real *state = m->at.x, *constants = m->constants;
+  const real *state = m->at.x, *constants = m->constants, now = vd_all(m->at.time[lane]);
   real *x = m->work, *z = x + m->n_states, *rates = z + m->n_unknowns;
   double *jacobian = m->jacobian + lane * p->n_entries;
   long long uncounted[5] = {0};
@@ -52,7 +52,7 @@ static int find_jacobian(struct run *m, int lane) {
         double *moved = (double *)(x + p->colour_columns[k]) + own;
         *moved += PART * (1.0 + fabs(*moved));
       }
-    const vd_mask solved = evaluate(m, vd_every(1), m->at.time, x, z, constants, rates, uncounted);
+    const vd_mask solved = evaluate(m, vd_every(1), now, x, z, constants, rates, uncounted);
     if (first < 0) {
       if (!VD_HOLDS(solved, 0)) return 0;
       for (long long i = 0; i < m->n_rows; i++) m->base[i] = VD_LANE(rates[m->rows[i]], 0);

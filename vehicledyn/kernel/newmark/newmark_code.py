@@ -49,7 +49,7 @@ class PlaceRecord(ctypes.Structure):
     """A ``struct place`` of record.h."""
 
     _fields_ = [
-        ("time", _D),
+        ("time", _D * MOST_LANES),
         ("size", _D * MOST_LANES),
         *((name, _P) for name in ("x", "z", "rates", "auxiliary", "change", "drift", "forces")),
     ]
@@ -155,7 +155,7 @@ class NewmarkCode:
 
 
 class NewmarkLanes:
-    """Machine code that takes steps of one size in all lanes of any lane engine."""
+    """Machine code that takes steps in all lanes of any lane engine."""
 
     def __init__(self, path: Path) -> None:
         """Load the library.

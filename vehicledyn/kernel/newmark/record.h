@@ -15,7 +15,7 @@ enum { SOLVED = 0, EVENT = 5 };
 enum { MOST_LANES = 8 };
 
 typedef int (*vd_solver)(double, const double *, double *, const double *, long long *, double *);
-typedef int (*vd_lane_rates)(double, const real *, real *, const real *, real *, int *, int *,
+typedef int (*vd_lane_rates)(const real *, const real *, real *, const real *, real *, int *, int *,
                              double *);
 typedef int (*vd_lane_sample)(double, int, double, const real *, const real *, const real *, double,
                               int, const int *, double *, long long, real *, long long *, int *,
@@ -30,7 +30,7 @@ typedef void (*vd_surveyor)(long long, const double *, const double *, const dou
    the rates are those of the rows, the forces are multipliers, then what corrects positions, and
    the change where the motion starts is the third derivative that the constraints demand. */
 struct place {
-  double time, size[MOST_LANES];
+  double time[MOST_LANES], size[MOST_LANES];
   real *x, *z, *rates, *auxiliary, *change, *drift;
   double *forces;
 };

@@ -1,8 +1,6 @@
 /* Runs of one case: steps of one size or controlled by their error, events and samples. A step that
    needs a Jacobian of Python's ends the call; it is taken again once that is there. */
 
-static const double ROOM = 0.08;
-
 static int constrained_step(struct run *m, double end);
 static void show_place(struct run *m, double *values);
 
@@ -14,7 +12,7 @@ VD_EXPORT int vd_newmark_step(struct run *m, double end) {
     if ((own->is_stale || !own->has_jacobian) && !find_jacobian(m, 0)) return NEEDS_JACOBIAN;
     const int is_new = own->has_jacobian == FRESH;
     own->has_jacobian = KEPT;
-    prepare_factors(m, 0, end - m->at.time);
+    prepare_factors(m, 0, end - m->at.time[0]);
     if (iterate(m, end, 1)) return TAKEN;
     if (is_new) return REFUSED;
     own->is_stale = 1;
@@ -23,9 +21,9 @@ VD_EXPORT int vd_newmark_step(struct run *m, double end) {
 
 /* Tell whether an event fires up to m->found; where none does, the sides become those there. */
 static int event_fires(struct run *m) {
-  if (!m->n_events || m->found.time < m->blind_until) return 0;
+  if (!m->n_events || m->found.time[0] < m->blind_until) return 0;
   double *values = m->work;
-  m->events(m->found.time, m->found.x, m->found.z, m->constants, values);
+  m->events(m->found.time[0], m->found.x, m->found.z, m->constants, values);
   for (long long k = 0; k < m->n_events; k++) {
     if (m->sides[k] < 0 && values[k] >= 0.0 && m->rising[k]) return 1;
     if (m->sides[k] > 0 && values[k] <= 0.0 && m->falling[k]) return 1;
@@ -75,24 +73,24 @@ static void go_on(struct run *m) {
   memcpy(m->at.change, m->found.change, n);
   memcpy(m->at.drift, m->found.drift, m->n_unknowns * size);
   memcpy(m->at.forces, m->found.forces, 2 * m->constrained.n_multipliers * size);
-  m->at.time = m->found.time, m->at.size[0] = m->found.size[0];
+  m->at.time[0] = m->found.time[0], m->at.size[0] = m->found.size[0];
 }
 
 /* Go on to the end of the step that is due, in parts where it must be. */
 static int finish_step(struct run *m) {
-  while (m->at.time < m->end) {
-    const double part = m->whole * pow(0.5, (double)m->halvings), remaining = m->end - m->at.time;
-    m->to = part >= remaining * (1.0 - 1e-9) ? m->end : m->at.time + part;
+  while (m->at.time[0] < m->end) {
+    const double part = m->whole * pow(0.5, (double)m->halvings), remaining = m->end - m->at.time[0];
+    m->to = part >= remaining * (1.0 - 1e-9) ? m->end : m->at.time[0] + part;
     const int status = vd_newmark_step(m, m->to);
     if (status == NEEDS_JACOBIAN) return status;
     m->error = status == REFUSED ? 2.0 : m->tolerance > 0.0 ? local_error(m, m->found.size[0], m->found.change, m->found.x) / m->tolerance : 0.0;
     if (status == REFUSED || !(m->error <= 1.0)) {
-      const long long needed = llround(log2(m->whole / (m->to - m->at.time)));
+      const long long needed = llround(log2(m->whole / (m->to - m->at.time[0])));
       m->halvings = (m->halvings > needed ? m->halvings : needed) + 1;
       if (pow(0.5, (double)m->halvings) >= m->shortest) continue;
       return status == REFUSED ? STUCK : INEXACT;
     }
-    if (m->tolerance > 0.0 || m->to < m->end) count_steps(m, m->to - m->at.time);
+    if (m->tolerance > 0.0 || m->to < m->end) count_steps(m, m->to - m->at.time[0]);
     if (event_fires(m)) return CROSSED;
     go_on(m);
     if (m->error < ROOM && m->halvings) m->halvings--;
@@ -109,7 +107,7 @@ VD_EXPORT int vd_newmark_advance(struct run *m) {
       const long long done = m->step / m->per_interval, part = m->step % m->per_interval + 1;
       const double begin = m->start + m->interval * (double)done;
       m->end = begin + m->interval * (double)part / (double)m->per_interval;
-      m->whole = m->end - m->at.time;
+      m->whole = m->end - m->at.time[0];
       m->is_within = 1;
     }
     int status = finish_step(m);

@@ -3,10 +3,10 @@
 enum { MOST_ITERATIONS = 20, MOST_TO_THE_END = 60 };
 
 static const double CLOSE = 1e-13, COARSEST = 1e-6, SLOW = 0.3, ROUNDING = 1e-10,
-                    SMALL_SHARE = 1e-3;
+                    SMALL_SHARE = 1e-3, ROOM = 0.08;
 
 /* The state at the end of a step by Newmark's formulas. */
-static void move(const struct run *m, double h, const real *old, const real *new, real *x) {
+static void move(const struct run *m, real h, const real *old, const real *new, real *x) {
   const real *from = m->at.x;
   for (long long k = 0; k < m->n_rows; k++) {
     const double gamma = m->gamma[k];
@@ -19,23 +19,30 @@ static void move(const struct run *m, double h, const real *old, const real *new
   }
 }
 
+/* One number of each lane. */
+static real abreast(const double *numbers) {
+  real all = vd_all(0.0);
+  memcpy(&all, numbers, sizeof(real));
+  return all;
+}
+
 /* The size of a step of h in parts of that which led to a place, in each lane; zero at a start. */
-static real size_ratio(const struct place *at, double h) {
+static real size_ratio(const struct place *at, real h) {
   real ratio = vd_all(0.0);
   for (int lane = 0; lane < VD_LANES; lane++)
-    if (at->size[lane] != 0.0) ((double *)&ratio)[lane] = h / at->size[lane];
+    if (at->size[lane] != 0.0) ((double *)&ratio)[lane] = VD_LANE(h, lane) / at->size[lane];
   return ratio;
 }
 
 /* The largest local error of a step to x about, in which auxiliary rates change so, for one plus the
    size of each state. */
-static real local_error(const struct run *m, double h, const real *change, const real *x) {
+static real local_error(const struct run *m, real h, const real *change, const real *x) {
   const double shift = m->alpha_m - m->alpha_f, gamma = m->second_order_gamma;
   const double missed = (1.0 - gamma) * shift * shift + gamma * (1.0 + shift) * (1.0 + shift);
   const real ratio = size_ratio(&m->at, h), zero = vd_all(0.0);
-  const double by_rate = h * (0.5 - shift - gamma);
-  const real by_bend = vd_select(vd_lt(zero, ratio), vd_all(h * (1.0 / 6.0 - 0.5 * missed)), zero);
-  const double by_position = h * h * (1.0 / 6.0 - 0.5 * shift - m->beta);
+  const real by_rate = h * (0.5 - shift - gamma);
+  const real by_bend = vd_select(vd_lt(zero, ratio), h * (1.0 / 6.0 - 0.5 * missed), zero);
+  const real by_position = h * h * (1.0 / 6.0 - 0.5 * shift - m->beta);
   real largest = vd_all(0.0);
   for (long long k = 0; k < m->n_watched; k++) {
     const real bend = change[k] - ratio * m->at.change[k];
@@ -64,13 +71,14 @@ static void count_waste(struct run *m, struct matrix *own, long long evaluations
 /* Iterate from auxiliary rates and unknowns that change as in the step before, in some lanes; the
    end is in m->found. Rates at the end are those that the step demands. Returns the lanes that
    converge, each until the error left is a small part of the step's own. */
-static vd_mask iterate(struct run *m, double end, vd_mask open) {
+static vd_mask iterate(struct run *m, real end, vd_mask open) {
   const long long n = m->n_rows;
   struct place *at = &m->at, *found = &m->found;
   real *old = m->work, *known = old + n, *residual = known + n, *buffer = residual + n;
   real *next = buffer + n, *x = next + m->n_states, *rates = x + m->n_states;
   real *z = rates + m->n_states, *new = z + m->n_unknowns, *held;
-  const double h = end - at->time, part = 1.0 - m->alpha_f;
+  const double part = 1.0 - m->alpha_f;
+  const real h = end - abreast(at->time);
   const real further = size_ratio(at, h);
   const real ratio = vd_select(vd_lt(vd_all(0.0), further), further, vd_all(1.0));
   vd_mask taken = vd_every(0);
@@ -125,10 +133,10 @@ static vd_mask iterate(struct run *m, double end, vd_mask open) {
         found->z[k] = VD_TAKE(done, z[k], found->z[k]);
         found->drift[k] = VD_TAKE(done, z[k] - at->z[k], found->drift[k]);
       }
-      found->time = end;
       for (int lane = 0; lane < VD_LANES; lane++)
         if (VD_HOLDS(done, lane)) {
-          found->size[lane] = h;
+          found->time[lane] = VD_LANE(end, lane);
+          found->size[lane] = VD_LANE(h, lane);
           count_waste(m, m->matrix + lane, iteration + 1);
         }
       taken = vd_or(taken, done);
