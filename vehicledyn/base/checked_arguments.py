@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import errno
 import functools
 import inspect
 import operator
+import os
 import reprlib
 import types
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -59,17 +61,35 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
     @functools.wraps(function)
     def call(*args: P.args, **kwargs: P.kwargs) -> R:
         try:
-            given = signature.bind(*args, **kwargs).arguments
+            given = signature.bind(*args, **kwargs)
         except TypeError:
             return function(*args, **kwargs)  # Python's own message names the function
-        for name, value in given.items():
+        for name, value in given.arguments.items():
             kind = signature.parameters[name].kind
-            if name in hints() and kind is not inspect.Parameter.VAR_KEYWORD:
-                for item in value if kind is inspect.Parameter.VAR_POSITIONAL else (value,):
-                    _check(name, item, hints()[name])
-        return function(*args, **kwargs)
+            if name not in hints() or kind is inspect.Parameter.VAR_KEYWORD:
+                continue
+            if kind is inspect.Parameter.VAR_POSITIONAL:
+                given.arguments[name] = tuple(_taken(name, item, hints()[name]) for item in value)
+            else:
+                given.arguments[name] = _taken(name, value, hints()[name])
+        try:
+            return function(*given.args, **given.kwargs)
+        except InputError as error:
+            _name_argument(error, given.arguments)
+            raise
 
     return call
+
+
+def _name_argument(error: InputError, given: Mapping[str, Any]) -> None:
+    """Put the name of an argument in front of an error that begins with its value in quotes."""
+    text = str(error)
+    for name, value in given.items():
+        items = value if isinstance(value, list | tuple | Mapping) else [value]
+        quoted = (f"'{item}'" for item in items if isinstance(item, str | Path))
+        if any(text.startswith(words) for words in quoted):
+            error.args = (f"{argument(name)}: {text}", *error.args[1:])
+            return
 
 
 def _hints(function: Callable[..., Any]) -> dict[str, Any]:
@@ -77,6 +97,47 @@ def _hints(function: Callable[..., Any]) -> dict[str, Any]:
     texts = {name: hint for name, hint in function.__annotations__.items() if name != "return"}
     holder = types.SimpleNamespace(__annotations__=texts)
     return get_type_hints(holder, function.__globals__)
+
+
+def _taken(name: str, value: Any, kind: Any) -> Any:
+    """Return an argument that fits its annotation, arrays as lists, numbers as Python's own."""
+    if hasattr(value, "tolist") and any(get_origin(m) in _LISTS for m in _members(kind)):
+        value = value.tolist()
+    _check(name, value, kind)
+    if isinstance(value, str | Path) and Path in _members(kind):
+        _check_path(name, value)
+    return _plain(value, kind)
+
+
+def _plain(value: Any, kind: Any) -> Any:
+    """Return a value with numbers of other libraries, such as decimals, as Python's own."""
+    if isinstance(value, float | int | str | Path):
+        return value
+    for member in _members(kind):
+        origin = get_origin(member) or member
+        if origin in _PLAIN and getattr(value, "shape", ()) == () and _fits(value, member):
+            return _PLAIN[origin](value)
+        if origin is Mapping and isinstance(value, Mapping) and get_args(member)[1] is not Any:
+            return {key: _plain(item, get_args(member)[1]) for key, item in value.items()}
+        if origin in _LISTS and isinstance(value, list | tuple):
+            return type(value)(_plain(item, *get_args(member)) for item in value)
+    return value
+
+
+_PLAIN: dict[Any, Callable[[Any], Any]] = {bool: bool, int: operator.index, float: float}
+_LISTS = (Iterable, Sequence, list)
+
+
+def _check_path(name: str, value: str | Path) -> None:
+    """Refuse what no file system takes as a path."""
+    try:
+        os.lstat(value)
+    except (ValueError, OSError) as error:
+        if getattr(error, "errno", errno.ENAMETOOLONG) != errno.ENAMETOOLONG:
+            return
+        words = getattr(error, "strerror", None) or str(error)
+        shown = reprlib.repr(str(value))
+        raise InputError(f"{argument(name)}: {shown} names no file: {words}") from None
 
 
 def _check(name: str, value: Any, kind: Any) -> None:
@@ -174,13 +235,26 @@ def _words(kind: Any) -> str:
         if origin is Literal:
             parts += [repr(choice) for choice in get_args(member)]
         elif origin is Mapping and get_args(member)[1] is not Any:
-            parts.append(f"a mapping from names to {_words(get_args(member)[1])}")
-        elif origin in (list, Iterable, Sequence) and get_args(member)[0] is not Any:
-            parts.append(f"a list of {_words(get_args(member)[0])}")
+            parts.append(f"a mapping from names to {_plural(get_args(member)[1])}")
+        elif origin in _LISTS and get_args(member)[0] is not Any:
+            parts.append(f"a list of {_plural(get_args(member)[0])}")
         elif origin is tuple:
             parts.append(f"a tuple of {len(get_args(member))}")
         else:
             loaded = getattr(origin, "__name__", "").startswith("Loaded")
             parts.append(_LOADED if loaded else _WORDS.get(origin, f"a {origin.__name__}"))
+    return _choice(parts)
+
+
+def _plural(kind: Any) -> str:
+    """Return what an annotation of items asks for, as a phrase in the plural."""
+    words = [_words(member) for member in _members(kind)]
+    return _choice([f"{word.removeprefix('a ')}s" if word in _SINGULAR else word for word in words])
+
+
+_SINGULAR = {word for word in _WORDS.values() if word.startswith("a ")}
+
+
+def _choice(parts: list[str]) -> str:
     *first, last = dict.fromkeys(parts)
     return f"{', '.join(first)} or {last}" if first else last

@@ -8,7 +8,7 @@ _OPTIONS = {
     "inputs": "--input",
     "outputs": "--output",
     "channels": "--channel",
-    "columns": "--channel",
+    "tolerances": "--tolerance",
     "drives": "--drive",
     "first": "--from",
     "last": "--to",
@@ -19,12 +19,21 @@ _OPTIONS = {
 }
 """Options of other names than their arguments."""
 
+_POSITIONAL = {
+    **dict.fromkeys(("car", "model", "scenario", "source"), "SCENARIO"),
+    **dict.fromkeys(("description", "file", "path"), "FILE"),
+    **{name: name.upper() for name in ("rail", "reference", "result", "study", "wheel")},
+}
+"""Words of the usage for arguments that have no option."""
+
 
 class OptionNaming:
     """Arguments as options are written."""
 
     def argument(self, name: str) -> str:
-        """Return the option that gives an argument."""
+        """Return the option that gives an argument, or its word in the usage."""
+        if name in _POSITIONAL:
+            return _POSITIONAL[name]
         return _OPTIONS.get(name, f"--{name.replace('_', '-')}")
 
     def given(self, name: str, value: Any) -> str:

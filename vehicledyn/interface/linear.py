@@ -6,7 +6,9 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+from vehicledyn.base.argument_names import argument
 from vehicledyn.base.checked_arguments import checked
+from vehicledyn.base.errors import InputError
 from vehicledyn.files.scenario.settings import Settings, override_texts
 from vehicledyn.interface.quantities import positive, speed_in_si, speeds_in_si, texts
 from vehicledyn.interface.running import Progress, reporter, result_place, warn_of
@@ -120,6 +122,8 @@ def modes(
 
     common = override_texts(set, settings)
     models = model if isinstance(model, Mapping) else {"": model}
+    if not models:
+        raise InputError(f"{argument('model')}: give one or more")
     variants = [
         (
             ", ".join(filter(None, (name, label))),

@@ -25,7 +25,13 @@ def quantity(name: str, value: float | str, unit: str) -> float:
         raise InputError(f"{given(name, value)}: {error}") from None
     if not isfinite(number):
         raise InputError(f"{given(name, value)}: must be finite")
+    if abs(number) > _LARGEST:
+        raise InputError(f"{given(name, value)}: must be below {_LARGEST:g}")
     return number
+
+
+_LARGEST = 1e100
+"""Numbers above it have squares and products that are infinite."""
 
 
 def positive(name: str, value: float | str, unit: str) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ from vehicledyn.base.yaml import parse_yaml
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.files.scenario.overrides import read_override
 from vehicledyn.files.scenario.settings import Settings, override_texts
+from vehicledyn.interface.quantities import texts
 from vehicledyn.interface.running import Progress, reporter, result_place
 from vehicledyn.interface.targets import Source, read_scenario
 from vehicledyn.kernel.make_kernel import Backend
@@ -33,7 +34,7 @@ def sweep(
     vary: Settings | None = None,
     cases: Settings | None = None,
     set: Settings | None = None,
-    channels: list[str] | None = None,
+    channels: str | Iterable[str] | None = None,
     save_to: str | Path | None = None,
     overwrite: bool = False,
     resume: bool = False,
@@ -59,7 +60,7 @@ def sweep(
     set, settings
         As for :func:`vehicledyn.simulate`; of a study file also fields of the study.
     channels
-        Channels to keep of each case, as patterns; the scenario's if None.
+        Names or patterns of the channels to keep of each case; the scenario's if None.
     save_to, overwrite, backend, progress
         As for :func:`vehicledyn.simulate`.
     resume
@@ -85,10 +86,11 @@ def sweep(
         If the equations cannot be set up.
     """
     changes = override_texts(set, settings)
+    kept = None if channels is None else texts("channels", channels)
     if isinstance(study, LoadedStudy):
         loaded = study
     elif vary is None and cases is None:
-        loaded = _from_file(study, changes, channels)
+        loaded = _from_file(study, changes, kept)
     elif vary is not None and cases is not None:
         raise InputError(f"{argument('vary')} and {argument('cases')}: give one of the two")
     else:
@@ -98,7 +100,7 @@ def sweep(
             ("cases", "vary", key): f"{name}[{key!r}]" for key in vary or ()
         }
         loaded = _from_scenario(
-            read_scenario(study, changes), wanted or {}, channels, {("cases",): name, **places}
+            read_scenario(study, changes), wanted or {}, kept, {("cases",): name, **places}
         )
     with result_place(save_to, may_exist=resume or overwrite) as place:
         outcome = run_study(
@@ -142,7 +144,7 @@ def _from_scenario(
         "cases": json.loads(override_texts({"cases": cases}, {})[0].partition("=")[2]),
     }
     if channels is not None:
-        data["output"] = {"channels": list(channels)}
+        data["output"] = {"channels": channels}
     document = parse_yaml(json.dumps(data, ensure_ascii=False), "the study")
     documents = {str(path): parse_yaml(scenario.text, str(path))}
     place = path.with_name("study.yaml")

@@ -1,6 +1,9 @@
 """Arguments of the wrong kind are refused by their names, whatever the function."""
 
 import inspect
+from collections.abc import Iterable, Mapping
+from decimal import Decimal
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -40,13 +43,13 @@ def test_every_argument_of_the_front_door_is_checked(name):
         (lambda: vd.simulate("quarter_car", backend="compield"), "backend: expected 'auto', 'co"),
         (lambda: vd.simulate("quarter_car", backend="compield"), "did you mean 'compiled'?"),
         (lambda: vd.write_equations("quarter_car", "fortran"), "to: expected 'c', 'python', "),
-        (lambda: vd.response("quarter_car", "a", "b", at="1 Hz"), "at: expected a list of a num"),
+        (lambda: vd.response("quarter_car", "a", "b", at="1 Hz"), "at: expected a list of nu"),
         (
             lambda: vd.uncertainty("quarter_car", "time", {"body.mass": "300 kg"}),
-            "parameters: expected a mapping from names to a mapping, found {'body.mass': '300 kg'}",
+            "parameters: expected a mapping from names to mappings, found {'body.mass': '300 kg'}",
         ),
-        (lambda: vd.modes("quarter_car", speed=np.ones((2, 2))), "expected a number with a unit"),
-        (lambda: vd.tyre("c", loads=b"12"), "loads: expected a list of a number or a text, found"),
+        (lambda: vd.modes("quarter_car", speed=np.ones((2, 2))), "speed: expected a number, "),
+        (lambda: vd.tyre("c", loads=b"12"), "loads: expected a list of numbers or texts, found"),
         (lambda: vd.load(5), "source: expected a text, a path, a System or what vehicledyn.load"),
         (
             lambda: vd.identify("quarter_car", MEASURED, {"body.mass": {}}),
@@ -72,6 +75,19 @@ def test_every_argument_of_the_front_door_is_checked(name):
         ),
         (lambda: vd.rig("sedan", values=("0 m", "1 m")), "values=('0 m', '1 m'): write (from, to,"),
         (lambda: vd.rig("sedan", travel="high"), "travel='high': expected a number with a unit"),
+        (lambda: vd.sensitivity("four_bar", "max(x)"), "of: 'max(x)' is neither a key figure nor"),
+        (lambda: vd.sensitivity("four_bar", "max(crank.angle)", "x"), "to: 'x' matches no"),
+        (lambda: vd.contact_geometry("S10022", "60E1"), "wheel: 'S10022' is neither a file nor"),
+        (
+            lambda: vd.contact_geometry("S1002", "60E1", right_rail="60E11"),
+            "right_rail: '60E11' is neither a file nor",
+        ),
+        (lambda: vd.sweep("four_bar", vary={"duratio": [1]}, channels="x"), "vary['duratio']: "),
+        (lambda: vd.sweep("four_bar", vary={"x": [1]}, channels=5), "expected a text, a list of"),
+        (lambda: vd.modes({}), "model: give one or more"),
+        (lambda: vd.contact_geometry("S1002", "60E1", gauge=1e200), "gauge=1e+200: must be below"),
+        (lambda: vd.report("a" * 3000), "result: 'aaaaaaaaaaaa...aaaaaaaaaaaaa' names no file: "),
+        (lambda: vd.load_plugin("a\0b"), "path: 'a\\x00b' names no file: embedded null byte"),
     ],
 )  # fmt: skip
 def test_messages_say_what_is_expected(call, words):
@@ -180,3 +196,17 @@ def test_arrays_of_results_are_lists_of_numbers():
     speeds = vd.modes("small_car", speed=[10.0, 20.0])["speed"]
     again = vd.modes("small_car", speed=speeds)["speed"]
     assert list(again) == [10.0, 20.0]
+
+
+def test_numbers_of_other_libraries_become_pythons_own():
+    """Decimals, fractions and arrays arrive as numbers and lists, paths are ones of a file."""
+
+    @checked
+    def taken(share: float, by: Mapping[str, float], of: Iterable[float | str], n: int = 1):
+        return [share, by, of, n]
+
+    found = taken(Decimal("0.5"), {"a": Fraction(1, 4)}, np.array([1.0, 2.0]), np.int64(3))
+    assert found == [0.5, {"a": 0.25}, [1.0, 2.0], 3]
+    assert [type(item) for item in (found[0], found[1]["a"], found[2], found[3])] == [
+        float, float, list, int,
+    ]  # fmt: skip

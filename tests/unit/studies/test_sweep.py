@@ -348,6 +348,8 @@ def test_files_of_studies_are_compared(tmp_path, study):
     assert rough.verdict == "different"
     assert "in case" in rough.as_text()
     assert compare_studies(second, first, tolerances=Tolerances(1e-6, 0.0)).is_equal
+    missed = compare_studies(first, first, tolerances=EXACTLY, channels=["nothing"])
+    assert "channels: no channel matches 'nothing'" in missed.as_text()
     third = swept(study, tmp_path / "c.h5", "cases.number=3").path
     assert (
         "3 cases, in the reference 24"

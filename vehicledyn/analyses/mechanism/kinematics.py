@@ -225,7 +225,7 @@ class _Columns:
             for pattern in patterns:
                 if not fnmatch.filter(names, pattern):
                     raise InputError(
-                        f"{given('columns', pattern)}: matches no channel of this sweep"
+                        f"{given('channels', pattern)}: matches no channel of this sweep"
                     )
             chosen = [
                 k for k, n in enumerate(names) if any(fnmatch.fnmatchcase(n, p) for p in patterns)

@@ -11,7 +11,7 @@ from vehicledyn.analyses.preparation.error_locations import errors_with_location
 from vehicledyn.base.errors import NumericalError, nearest_name, unknown_name
 from vehicledyn.base.interrupts import undisturbed
 from vehicledyn.files.scenario import LoadedScenario
-from vehicledyn.results.labelled.near_names import near
+from vehicledyn.results.store.near_names import near
 from vehicledyn.symbolic.equations import Channel
 
 if TYPE_CHECKING:

@@ -8,7 +8,6 @@ format, holds an incomplete run or no channels, or a pattern that matches nothin
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import NamedTuple
 
@@ -17,6 +16,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError, nearest_name
 from vehicledyn.results.compare.comparison import ChannelComparison, Comparison
+from vehicledyn.results.compare.patterns import is_chosen, unmatched
 from vehicledyn.results.compare.sampling_grids import (
     Resampling,
     grid_difference,
@@ -78,13 +78,13 @@ def compare_files(
         for file in opened:
             problems += _unusable(file)
         if len(opened) == 2:
-            problems += _bad_patterns(opened[1], [*(channels or []), *tolerances.by_channel])
+            problems += unmatched(opened[1].channels, channels, tolerances)
         if problems:
             return Comparison(*names, problems=tuple(problems))
         return _compare(
             opened[0],
             opened[1],
-            chosen=_chosen(opened[1], channels),
+            chosen=[name for name in opened[1].channels if is_chosen(name, channels)],
             tolerances=tolerances,
             allow_missing=allow_missing,
             interpolate=interpolate,
@@ -150,24 +150,6 @@ def _unusable(file: Result) -> list[str]:
     if not len(file.time):
         return [f"{file.path}: holds no samples"]
     return []
-
-
-def _bad_patterns(reference: Result, patterns: Sequence[str]) -> list[str]:
-    problems = []
-    for pattern in patterns:
-        if not any(fnmatchcase(name, pattern) for name in reference.channels):
-            guess = nearest_name(pattern, reference.channels)
-            hint = f"; did you mean '{guess}'?" if guess else ""
-            problems.append(f"{reference.path}: no channel matches '{pattern}'{hint}")
-    return problems
-
-
-def _chosen(reference: Result, patterns: Sequence[str] | None) -> list[str]:
-    return [
-        name
-        for name in reference.channels
-        if patterns is None or any(fnmatchcase(name, pattern) for pattern in patterns)
-    ]
 
 
 def _compare_channel(name: str, pair: _Pair, tolerances: Tolerances) -> ChannelComparison:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
-from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +12,7 @@ import numpy as np
 from vehicledyn.base.argument_names import argument
 from vehicledyn.base.errors import InputError
 from vehicledyn.results.compare.comparison import ChannelComparison, Comparison
+from vehicledyn.results.compare.patterns import is_chosen, unmatched
 from vehicledyn.results.compare.tolerances import Tolerances
 from vehicledyn.results.store.study_layout import STATUS_NAMES
 from vehicledyn.results.store.study_reader import StudyFile, open_study
@@ -54,6 +54,8 @@ def compare_studies(
             for file in files
             if not file.is_whole
         ]
+        if not problems:
+            problems = unmatched(_names(files[1]), channels, tolerances)
         if problems:
             return Comparison(*names, problems=tuple(problems))
         differences = list(_whole_differences(files[0], files[1]))
@@ -106,7 +108,7 @@ def _compared(
 ) -> Iterator[ChannelComparison]:
     known = set(_names(result))
     for name in _names(reference):
-        if patterns is not None and not any(fnmatchcase(name, p) for p in patterns):
+        if not is_chosen(name, patterns):
             continue
         if name not in known:
             if not allow_missing:

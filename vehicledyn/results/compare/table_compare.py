@@ -7,7 +7,6 @@ as complex numbers.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +16,7 @@ import numpy as np
 from vehicledyn.base.argument_names import argument
 from vehicledyn.base.errors import InputError
 from vehicledyn.results.compare.comparison import ChannelComparison, Comparison
+from vehicledyn.results.compare.patterns import is_chosen, unmatched
 from vehicledyn.results.compare.tolerances import Tolerances
 from vehicledyn.results.store.dimensions import is_bare
 from vehicledyn.results.store.linear_file import format_of, old_file
@@ -72,10 +72,10 @@ def compare_tables(
             return Comparison(*names, problems=tuple(problems))
         with old_file(result, kind) as ours, old_file(reference, kind) as theirs:
             own, other = dict(_numbers(ours)), dict(_numbers(theirs))
-            wanted = {n: v for n, v in other.items() if _is_chosen(n, channels)}
-            if not wanted:
-                words = f"{reference}: holds nothing that matches; it has {', '.join(other)}"
-                return Comparison(*names, problems=(words,))
+            problems = unmatched(other, channels, tolerances)
+            if problems:
+                return Comparison(*names, problems=tuple(problems))
+            wanted = {n: v for n, v in other.items() if is_chosen(n, channels)}
             missing = [name for name in wanted if name not in own]
             compared = [
                 _compared(name, own.get(name), wanted[name], tolerances)
@@ -100,10 +100,6 @@ def _unfinished(path: Path, kind: str) -> Iterator[str]:
             f"{path}: not a finished study ({table.status}); go on with it by 'hunt "
             f"{argument('resume')}'"
         )
-
-
-def _is_chosen(name: str, patterns: Sequence[str] | None) -> bool:
-    return patterns is None or any(fnmatchcase(name, pattern) for pattern in patterns)
 
 
 def _numbers(file: h5py.File) -> Iterator[tuple[str, tuple[str, Any]]]:
@@ -187,7 +183,7 @@ def _texts_differ(
         yield "{}, the reference is {}".format(*endings)
     texts = [_texts(file) for file in (ours, theirs)]
     for name in texts[1]:
-        is_wanted = name != _HOW and _is_chosen(name, patterns)
+        is_wanted = name != _HOW and is_chosen(name, patterns)
         if is_wanted and texts[0].get(name) != texts[1][name]:
             ours_only, theirs_only = (
                 [item for item in texts[k].get(name, []) if item not in texts[1 - k].get(name, [])]

@@ -10,6 +10,8 @@ from fnmatch import fnmatchcase
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.base.argument_names import argument
+
 Floats = NDArray[np.float64]
 
 CONSTANT = 1e-12  # range below this share of the largest magnitude is rounding
@@ -37,9 +39,10 @@ class Tolerances:
 
     def problems(self) -> list[str]:
         """Return what is wrong with the numbers themselves."""
-        named = {"relative": self.relative, "absolute": self.absolute, **self.by_channel}
+        named = {argument("relative"): self.relative, argument("absolute"): self.absolute}
+        named |= {f"{argument('tolerances')} {key}": it for key, it in self.by_channel.items()}
         return [
-            f"tolerance {name}: {value} is not a number of zero or more"
+            f"{name}: {value} is not a number of zero or more"
             for name, value in named.items()
             if not (math.isfinite(value) and value >= 0.0)
         ]

@@ -15,9 +15,9 @@ from vehicledyn.base.files.whole_file import whole_file
 from vehicledyn.base.report import Report
 from vehicledyn.results.hdf5.output import check_output, write_failed
 from vehicledyn.results.labelled.array import LabelledArray
-from vehicledyn.results.labelled.near_names import unknown_array
 from vehicledyn.results.labelled.source import Source
 from vehicledyn.results.labelled.sources import source_of
+from vehicledyn.results.store.near_names import unknown_array
 
 if TYPE_CHECKING:
     import pandas

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.results.labelled.labels import Labelled, LabelledSet
-from vehicledyn.results.labelled.near_names import unknown_array
 from vehicledyn.results.plots.absent_contacts import load_of
 from vehicledyn.results.plots.figures import HEADING_HEIGHT, PANEL_HEIGHT, new_figure
 from vehicledyn.results.plots.overlay import name_results
@@ -21,6 +20,7 @@ from vehicledyn.results.plots.plot_description import unit_factor
 from vehicledyn.results.plots.plot_style import LINE_STYLES, PALETTE, STYLE, axis_label, plain
 from vehicledyn.results.plots.scales import leave_room, suitable_unit
 from vehicledyn.results.plots.standard import overlaid_figures
+from vehicledyn.results.store.near_names import unknown_array
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

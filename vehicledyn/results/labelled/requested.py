@@ -13,7 +13,6 @@ import matplotlib
 from vehicledyn.base.errors import InputError
 from vehicledyn.results.labelled.figure import draw_data, draw_standard
 from vehicledyn.results.labelled.labels import LabelledSet
-from vehicledyn.results.labelled.near_names import unknown_array
 from vehicledyn.results.plots.picture_files import (
     check_formats,
     picture_kind,
@@ -22,6 +21,7 @@ from vehicledyn.results.plots.picture_files import (
 )
 from vehicledyn.results.plots.plot_style import STYLE
 from vehicledyn.results.plots.standard import figure_names, overlaid_figures
+from vehicledyn.results.store.near_names import unknown_array
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
