@@ -86,7 +86,10 @@ def _name_argument(error: InputError, given: Mapping[str, Any]) -> None:
     text = str(error)
     for name, value in given.items():
         items = value if isinstance(value, list | tuple | Mapping) else [value]
-        quoted = (f"'{item}'" for item in items if isinstance(item, str | Path))
+        texts = [str(item) for item in items if isinstance(item, str | Path)]
+        quoted = (
+            f"'{word}'" for item in texts for word in (item, item.removeprefix("parameters."))
+        )
         if any(text.startswith(words) for words in quoted):
             error.args = (f"{argument(name)}: {text}", *error.args[1:])
             return

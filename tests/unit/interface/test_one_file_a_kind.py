@@ -72,7 +72,11 @@ USES = {
     "manoeuvre": ("straight", DRIVE),
     "solver": ("rk4", DRIVE),
     "driver": ("pure_pursuit", DRIVE.replace("{kind: straight}", SLALOM)),
-    "relaxation": ("of_tyre", DRIVE + "relaxation: {kind: of_tyre}\n"),
+    "relaxation": (
+        "of_tyre",
+        DRIVE.replace("{kind: calspan}", "{file: passenger_R0394_mf61.tir}")
+        + "relaxation: {kind: of_tyre}\n",
+    ),
 }
 """A kind of a family and a file that uses it, where the file may be read by itself."""
 

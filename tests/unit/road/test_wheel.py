@@ -9,6 +9,7 @@ import pytest
 from scipy.optimize import brentq
 
 from vehicledyn.base.errors import InputError
+from vehicledyn.files.scenario import load_scenario
 from vehicledyn.multibody.equations.derivation import derive
 from vehicledyn.multibody.model.bodies import Body, Joint
 from vehicledyn.multibody.model.system import System
@@ -354,6 +355,20 @@ def test_turn_slip_of_a_file_without_it_is_refused():
 def test_relaxation_of_tyres_without_lengths_is_refused():
     with pytest.raises(InputError, match="'linear' have no relaxation lengths of their own"):
         Rig(relaxation=TyreRelaxation(), tyre=LINEAR)
+
+
+CONTACT_PATCH = (
+    "{kind: contact_patch, mass: 1 kg, half_length: 5 cm, longitudinal_damping: 0 N*s/m, "
+    "lateral_damping: 0 N*s/m}"
+)
+
+
+@pytest.mark.parametrize("kind", ["{kind: of_tyre}", CONTACT_PATCH])
+def test_reading_a_scenario_refuses_relaxation_that_its_tyres_lack(kind):
+    """As in a run: the law of the Iltis has neither lengths nor a carcass."""
+    scenario = Path(__file__).parents[3] / "scenarios" / "iltis_slalom.yaml"
+    with pytest.raises(InputError, match=r"^relaxation: tyres of the kind 'magic_formula_1987'"):
+        load_scenario(scenario, [f"relaxation={kind}"])
 
 
 SAND = {

@@ -1,9 +1,10 @@
-"""Checks over several fields: times that fit together, coordinates that the model has."""
+"""Checks over several fields: times, coordinates that the model has, tyres that can relax."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import Any
 
 from vehicledyn.base.errors import InputError, unknown_name
@@ -57,6 +58,28 @@ def named_coordinates(scenario: Scenario, known: Mapping[str, Any]) -> list[tupl
         for field, name in named
         if name is not None and name not in known
     ]
+
+
+def refused_tyres(scenario: Scenario, folder: Path) -> list[tuple[Place, str]]:
+    """Return why a relaxation does not go with the tyres beside it.
+
+    Parameters
+    ----------
+    scenario
+        The valid scenario, whose files are valid, too.
+    folder
+        Its folder, where the files of tyres are looked for.
+    """
+    check, problems = getattr(scenario.relaxation, "check_tyre", None), []
+    if check is None or scenario.tyres is None:
+        return []
+    for law in (scenario.tyres.front, scenario.tyres.rear):
+        placed = getattr(law, "placed", None)
+        try:
+            check(law if placed is None else placed(folder))
+        except InputError as error:
+            problems.append((("relaxation",), str(error)))
+    return list(dict.fromkeys(problems))
 
 
 def _mismatches(

@@ -20,7 +20,7 @@ from vehicledyn.base.validation_messages import UNKNOWN_KEY, words_of
 from vehicledyn.base.yaml import Document, copied, parse_yaml, read_yaml
 from vehicledyn.files.scenario.bare_numbers import bare_numbers
 from vehicledyn.files.scenario.catalogue_models import CatalogueModel
-from vehicledyn.files.scenario.checks import check_times, named_coordinates
+from vehicledyn.files.scenario.checks import check_times, named_coordinates, refused_tyres
 from vehicledyn.files.scenario.model_names import is_written, known_models, system_path
 from vehicledyn.files.scenario.overrides import Change, apply_change, apply_override
 from vehicledyn.files.scenario.referenced_files import beside
@@ -168,6 +168,7 @@ def examine_scenario(
     problems += _unless_told(problems, unsuitable(data, written, sources))
     if scenario is not None:
         told = [*beside(scenario, path.parent), *_motion_beside(scenario, path.parent)]
+        told = told or refused_tyres(scenario, path.parent)
         told += named_coordinates(scenario, {} if written is None else written.coordinates)
         problems += [sources.problem(place, words) for place, words in told]
     units = _units_of_sections(data) if scenario is None else units_of(scenario)

@@ -74,6 +74,10 @@ class ContactPatch(WheelRelaxation):
     longitudinal_damping: float = quantity("N*s/m", "Damping k_x along the wheel", ge=0)
     lateral_damping: float = quantity("N*s/m", "Damping k_y across the wheel", ge=0)
 
+    def check_tyre(self, tyre: Tyre) -> None:
+        """Raise InputError if neither the tyre nor this set gives the carcass's stiffness."""
+        self._stiffness(tyre)
+
     @property
     def deflections(self) -> tuple[Variable, ...]:
         """Deflections of the carcass, velocities of the patch and deflections of the tread."""

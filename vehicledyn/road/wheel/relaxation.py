@@ -89,6 +89,9 @@ class WheelRelaxation(ParameterSet):
     ) -> tuple[TyreForces, dict[str, Scalar]]:
         """Return the forces that reach the wheel, and the rates of the deflections."""
 
+    def check_tyre(self, tyre: Tyre) -> None:
+        """Raise InputError if a tyre lacks what this kind takes from its law."""
+
     def states(self) -> tuple[Variable, ...]:
         """Return the deflections, and the twist of a patch that resists turning."""
         return self.deflections + (() if self.turning is None else (TWIST,))
@@ -117,6 +120,10 @@ class SinglePoint(WheelRelaxation):
     @abstractmethod
     def lengths(self, tyre: Tyre, contact: TyreInput) -> RelaxationLengths:
         """Return the relaxation lengths of a tyre at a contact."""
+
+    def check_tyre(self, tyre: Tyre) -> None:
+        """Raise InputError if a tyre has no relaxation lengths and this kind gives none."""
+        self.lengths(tyre, TyreInput(1.0, 0.0, 0.0, 0.0))
 
     @property
     def deflections(self) -> tuple[Variable, ...]:
