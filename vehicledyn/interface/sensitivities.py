@@ -50,9 +50,10 @@ def sensitivity(
         dynamics, such as ``inverse(crank.angle_force)``, ``inverse(max(crank.angle_force))`` and
         ``inverse(crank.angle.work)``; or of an axle on the suspension rig, such as
         ``rig(left.toe_gain, parallel)`` and ``rig(left.camber, roll, -2 deg:2 deg:4)``;
-        or of steady cornering, such as ``steady(understeer_gradient, constant_radius)``; or of a
-        tyre file, such as ``tyre(lateral_force, 4000 N, slip_angle=4 deg)``, or of a wheel
-        profile, such as ``profiles(radius_difference, 2 mm, rail=60E1)``, or of a cam, such as
+        or of steady cornering, such as ``steady(understeer_gradient, constant_radius)`` and
+        ``steady(limit, acceleration_limits, -6 m/s^2)``; or of a tyre file, such as
+        ``tyre(lateral_force, 4000 N, slip_angle=4 deg)``, or of a wheel profile, such as
+        ``profiles(radius_difference, 2 mm, rail=60E1)``, or of a cam, such as
         ``cam(peak(pressure_angle))``.
     to
         Parameters, by patterns such as ``parameters.front.*``, and start values of states, such

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import itertools
 import operator
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -46,8 +46,11 @@ ENDS = {
 }
 """What ends turns, in words."""
 
-_FIRST_STEP, _SMALLEST_STEP = 0.5, 0.03
+_FIRST_STEP, SMALLEST_STEP = 0.5, 0.03
 _SMALLEST_ALONG, _SMALLEST_LATER = 0.05, 0.2
+
+_EVEN = 1e-9
+"""Part of a step by which a size may miss one of the even ones [1]."""
 
 _LOCKED, _BACKWARDS = -0.9, -1.1
 """Longitudinal slip of a wheel that counts as locked, and of one that turns backwards [1]."""
@@ -126,17 +129,8 @@ def acceleration_limits(
     found: list[_Limit] = []
     lost = []
     for direction, words in ((-1.0, "braking"), (1.0, "driving")):
-        size, point = 0.0, solver.straight(speed)
-        turns: dict[float, TurnPath] = {}
-        while True:
-            if size or direction > 0.0:
-                turns[size] = _across(solver, speed, direction * size, point)
-            path = _straight(solver, speed, direction, (size, point), step)
-            size, point = path.values[-1], path.points[-1]
-            if path.end != "found":
-                break
-        if direction < 0.0:
-            turns = _further_braked(solver, speed, turns)
+        turns, path = turns_to_limits(solver, speed, direction, step=step)
+        size = path.values[-1]
         for braked, across in turns.items():
             found.append(_limit(solver, across, direction * braked, speed))
             if across.is_lost:
@@ -153,6 +147,49 @@ def acceleration_limits(
 
 
 _FURTHER = "no balance was found beyond %.3g m/s^2"
+
+
+def turns_to_limits(
+    solver: SteadyTurn,
+    speed: float,
+    direction: float,
+    *,
+    step: float = 1.0,
+    also: Sequence[float] = (),
+    last: float = np.inf,
+) -> tuple[dict[float, TurnPath], TurnPath]:
+    """Return the turns to the limit of each size of acceleration along, and those straight ahead.
+
+    Parameters
+    ----------
+    solver, speed
+        Of the car.
+    direction
+        1 for driving, which also has the size 0, -1 for braking.
+    step
+        Distance of sizes [m/s²].
+    also
+        Further sizes between them [m/s²].
+    last
+        Size to end at, of driving [m/s²].
+
+    Raises
+    ------
+    NumericalError
+        If the car does not run straight.
+    """
+    size, point = 0.0, solver.straight(speed)
+    turns: dict[float, TurnPath] = {}
+    while True:
+        if size or direction > 0.0:
+            turns[size] = _across(solver, speed, direction * size, point)
+        following = (np.floor(size / step + _EVEN) + 1.0) * step
+        wanted = min([float(following), *(other for other in also if other > size)])
+        path = _straight(solver, speed, direction, (size, point), wanted - size)
+        size, point = path.values[-1], path.points[-1]
+        if path.end != "found" or (direction > 0.0 and size > last):
+            break
+    return (_further_braked(solver, speed, turns) if direction < 0.0 else turns), path
 
 
 def _straight(
@@ -221,7 +258,7 @@ def _on(
             (value, point),
             np.inf,
             step=_FIRST_STEP,
-            smallest=_SMALLEST_STEP,
+            smallest=SMALLEST_STEP,
             unwanted=solver.beyond_grip_or_drive,
         )
 
@@ -279,7 +316,7 @@ def _braked_from(
         if braked.end == "found":
             further = _on(solver, speed, -wanted, lateral, braked.points[-1])
             gained = further.values[-1] - across.values[-1]
-            shows_more = across.is_lost and not further.is_lost and gained > -_SMALLEST_STEP
+            shows_more = across.is_lost and not further.is_lost and gained > -SMALLEST_STEP
             return further if gained > 0.0 or shows_more else across
     return across
 

@@ -104,17 +104,20 @@ def constant_radius(solver: SteadyTurn, radius: float, *, last: float = np.inf) 
     return _followed(solver, "constant radius", turn, start, first=first, last=last)
 
 
-def constant_steering(solver: SteadyTurn, angle: float, *, last: float = np.inf) -> SteadyCurve:
+def constant_steering(
+    solver: SteadyTurn, angle: float, *, last: float = np.inf, fastest: float = _FASTEST
+) -> SteadyCurve:
     """Return the turns at a steering-wheel angle [rad], the speed growing from a walk.
 
     Points are at speeds whose squares are equally spaced, as the lateral acceleration then about
-    is; the curve ends where it exceeds ``last`` or no turn is found.
+    is; the curve ends behind a speed ``fastest`` [m/s], where lateral acceleration exceeds ``last``
+    or where no turn is found.
     """
 
     def turn(square: float) -> Turn:
         return Turn(float(np.sqrt(square)), "steering", angle)
 
-    squares = np.arange(_SLOWEST**2, _FASTEST**2, _SQUARES)
+    squares = np.arange(_SLOWEST**2, min(fastest**2 + _SQUARES, _FASTEST**2), _SQUARES)
     found = [solver.find(turn(squares[0]), solver.straight(_SLOWEST))]
     for before, after in pairwise(squares):
         start = float(before), found[-1]
@@ -195,5 +198,23 @@ def line_slope(lateral: Vector, values: Vector, first: float, last: float) -> fl
 
     It is linear in ``values``, one for each of ``lateral``.
     """
-    at = np.linspace(max(first, lateral[0]), min(last, lateral[-1]), _LINE_POINTS)
+    at = _line_places(lateral, first, last)
     return float(np.polyfit(at, np.interp(at, lateral, values), 1)[0])
+
+
+def line_slope_parts(lateral: Vector, values: Vector, first: float, last: float) -> Vector:
+    """Return the derivatives of :func:`line_slope` by lateral accelerations and values, (n, 2).
+
+    Between neighbours the curve is a line of slope s, so one that moves by dx changes what is read
+    beside it by -s dx, as if its value fell by s dx.
+    """
+    at = _line_places(lateral, first, last)
+    weights = np.linalg.pinv(np.stack([at, np.ones_like(at)], axis=1))[0]
+    shares = np.stack([np.interp(at, lateral, unit) for unit in np.eye(len(lateral))], axis=1)
+    behind = np.clip(np.searchsorted(lateral, at), 1, len(lateral) - 1)
+    slopes = (values[behind] - values[behind - 1]) / (lateral[behind] - lateral[behind - 1])
+    return np.stack([-(weights * slopes) @ shares, weights @ shares], axis=1)
+
+
+def _line_places(lateral: Vector, first: float, last: float) -> Vector:
+    return np.linspace(max(first, lateral[0]), min(last, lateral[-1]), _LINE_POINTS)

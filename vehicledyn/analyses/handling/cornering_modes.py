@@ -33,7 +33,8 @@ _SINE = {
 }
 """A sine of 1 rad/s at its peak: its amplitude is an angle δ with the acceleration -δ [SI]."""
 
-_INPUTS = [f"{_STEERING}.{name}" for name in ("angle.value_0", "angle.value_1", "amplitude")]
+INPUTS = [f"{_STEERING}.{name}" for name in ("angle.value_0", "angle.value_1", "amplitude")]
+"""Knots before and behind, and the amplitude of the sine."""
 
 
 @dataclass(frozen=True)
@@ -67,17 +68,28 @@ class CorneringSystem:
 
 
 class CorneringModes:
-    """Linearises a car about its steady turns, with exact derivatives."""
+    """Linearises a car about its steady turns, with exact derivatives.
+
+    Attributes
+    ----------
+    kept
+        Indices of the states that are kept.
+    motion
+        Numbers among them of the velocities along x and y and of the yaw rate.
+    inputs
+        Indices of the parameters that steer, see :data:`INPUTS`.
+    """
 
     def __init__(self, solver: SteadyTurn) -> None:
         car = self.car = solver.car
         e, chassis = car.equations, car.vehicle.chassis
         left_out = {f"{chassis}.x", f"{chassis}.y", f"{chassis}.yaw", *solver.states.turning}
-        self._kept = [k for k, s in enumerate(e.states) if s.name not in left_out]
-        names = [e.states[k].name for k in self._kept]
-        self._motion = [names.index(f"{chassis}.{n}_rate") for n in ("x", "y", "yaw")]
+        self.kept = [k for k, s in enumerate(e.states) if s.name not in left_out]
+        names = [e.states[k].name for k in self.kept]
+        self.motion = [names.index(f"{chassis}.{n}_rate") for n in ("x", "y", "yaw")]
         self._names = names
-        self._slopes = Derivatives(e, _INPUTS)
+        self.inputs = [car.place(name) for name in INPUTS]
+        self._slopes = Derivatives(e, INPUTS)
 
     def about(self, point: CarPoint, *, held_speed: bool = False) -> CorneringSystem:
         """Return the linear system about a turn.
@@ -85,11 +97,7 @@ class CorneringModes:
         ``held_speed`` keeps the torque and integral of the speed controller as further motion; by
         itself the drive torque is that of the turn, constant.
         """
-        car = self.car
-        parameters = point.parameters.copy()
-        sine = {f"{_STEERING}.{name}": value for name, value in _SINE.items()}
-        for name, value in {**_KNOTS, **sine}.items():
-            parameters[car.place(name)] = value
+        car, parameters = self.car, self.parameters(point)
         if not held_speed:
             gain = parameters[car.place("test.integral_gain")]
             integral = point.state[car.state("drive.speed_error_integral")]
@@ -98,23 +106,31 @@ class CorneringModes:
             for name in ("test.integral_gain", "test.proportional_gain"):
                 parameters[car.place(name)] = 0.0
         found = self._slopes.total(0.0, point.state, point.unknowns, parameters)
-        matrix = found.rates[np.ix_(self._kept, self._kept)].copy()
-        ahead, aside, yaw = self._motion
-        state = point.state[self._kept]
+        matrix = found.rates[np.ix_(self.kept, self.kept)].copy()
+        ahead, aside, yaw = self.motion
+        state = point.state[self.kept]
         matrix[ahead, aside] += state[yaw]
         matrix[ahead, yaw] += state[aside]
         matrix[aside, ahead] -= state[yaw]
         matrix[aside, yaw] -= state[ahead]
-        inputs = self._inputs(found.rates_by_parameter[self._kept])
+        inputs = self._inputs(found.rates_by_parameter[self.kept])
         if not held_speed:
             kept = [k for k, n in enumerate(self._names) if n != "drive.speed_error_integral"]
             matrix, inputs = matrix[np.ix_(kept, kept)], inputs[kept]
         else:
             kept = list(range(len(self._names)))
         direct = self._inputs(found.outputs_by_parameter)
-        columns = [self._kept[k] for k in kept]
+        columns = [self.kept[k] for k in kept]
         outputs = {name: (found.outputs[k][columns], direct[k]) for name, k in car.channel.items()}
         return CorneringSystem([self._names[k] for k in kept], matrix, inputs, outputs)
+
+    def parameters(self, point: CarPoint) -> Vector:
+        """Return the parameters of a turn, with the knots and the sine that make its inputs."""
+        parameters = point.parameters.copy()
+        sine = {f"{_STEERING}.{name}": value for name, value in _SINE.items()}
+        for name, value in {**_KNOTS, **sine}.items():
+            parameters[self.car.place(name)] = value
+        return parameters
 
     @staticmethod
     def _inputs(by_parameter: Vector) -> Vector:

@@ -31,8 +31,11 @@ _SHAFT_STEPS = 3
 _CHANGES = 20
 """Most changes of gear on the way to a steady turn."""
 
-_USUAL_SPEED, _GROWTH = 20.0, 0.5
+_USUAL_SPEED, DRIVEN_BY = 20.0, 0.5
 """Speed [m/s] and acceleration [m/s²] at which the drive is measured."""
+
+INTEGRAL_SHARE = 0.3
+"""Integral gain of the speed controller over the proportional one [1/s]."""
 
 _TOUCH = 0.01
 """Throttle that a search begins with [1]."""
@@ -313,12 +316,24 @@ def solver_for(car: TestedCar) -> SteadyTurn:
         If the car does not run straight.
     """
     solver = SteadyTurn(car)
-    held = solver.straight(_USUAL_SPEED)
-    faster = solver.find(Turn(_USUAL_SPEED, "steering", 0.0, _GROWTH), held)
-    torques = [car.outputs(point)["drive.torque"] for point in (held, faster)]
-    gain = abs(torques[1] - torques[0]) / _GROWTH
-    car.hold_speed_by(SpeedControl(proportional_gain=gain, integral_gain=0.3 * gain))
+    torques = [car.outputs(point)["drive.torque"] for _, point in drive_turns(solver)]
+    gain = abs(torques[1] - torques[0]) / DRIVEN_BY
+    integral = INTEGRAL_SHARE * gain
+    car.hold_speed_by(SpeedControl(proportional_gain=gain, integral_gain=integral))
     return solver
+
+
+def drive_turns(solver: SteadyTurn) -> list[tuple[Turn, CarPoint]]:
+    """Return the motions straight ahead from which the drive of the speed controller is measured.
+
+    One holds its speed, the other gains :data:`DRIVEN_BY`.
+    """
+    point, found = solver.straight(_USUAL_SPEED), []
+    for acceleration in (0.0, DRIVEN_BY):
+        turn = Turn(_USUAL_SPEED, "steering", 0.0, acceleration)
+        point = solver.find(turn, point) if acceleration else point
+        found.append((turn, point))
+    return found
 
 
 class Search:

@@ -24,7 +24,7 @@ from vehicledyn.symbolic import ops
 Vector = NDArray[np.float64]
 Demand = Literal["steering", "lateral_acceleration", "curvature"]
 
-_BRAKE_SCALE = 1e3
+BRAKE_SCALE = 1e3
 """Unit of the brake torque among the unknowns [N m]."""
 
 _VALUE_STEP = 1e-5
@@ -116,7 +116,7 @@ class TurnEquations:
         """Return the unknowns of the search for a turn at a point, shape (n_unknowns,)."""
         s = self._states
         drive = point.state[s.integral if s.pedal is None else s.pedal]
-        braked = point.parameters[self._brake[0]] / _BRAKE_SCALE
+        braked = point.parameters[self._brake[0]] / BRAKE_SCALE
         if turn.acceleration < 0.0 and braked > 0.0:
             drive = -braked
         return np.concatenate([point.state[s.free], [point.parameters[self._angle[0]], drive]])
@@ -171,7 +171,7 @@ class TurnEquations:
             residual[self._yaw_row] = values[rows[self._yaw_row]] - turn.sideslip
         jacobian = slopes[rows]
         # Braked or driven, it is one unknown.
-        by_drive = jacobian[:, n + 1] if braked == 0.0 else -_BRAKE_SCALE * jacobian[:, n + 2]
+        by_drive = jacobian[:, n + 1] if braked == 0.0 else -BRAKE_SCALE * jacobian[:, n + 2]
         by_turn = jacobian[:, n + 3 :]
         by_turn[balances, 0] -= 1.0
         return residual, np.column_stack([jacobian[:, : n + 1], by_drive, by_turn])
@@ -226,7 +226,7 @@ def _split(turn: Turn, drive: float) -> tuple[float, float]:
     Where the tyres slow the car more than wanted, it is the drive that acts.
     """
     if turn.acceleration < 0.0:
-        return max(drive, 0.0), max(-drive, 0.0) * _BRAKE_SCALE
+        return max(drive, 0.0), max(-drive, 0.0) * BRAKE_SCALE
     return drive, 0.0
 
 

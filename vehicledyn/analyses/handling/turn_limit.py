@@ -22,8 +22,16 @@ from vehicledyn.base.errors import NumericalError
 
 Vector = NDArray[np.float64]
 
-_FIRST, _GROWTH, _MOST_STEPS = 0.5, 1.5, 30
-"""First step along the curve over that of the last two turns, and how steps grow [1]."""
+_FIRST, _GROWTH, _FINER = 0.5, 1.5, 0.3
+_MOST_STEPS, _MOST_FINER = 60, 8
+"""First step along the curve over that of the last two turns, how steps grow, and how they shrink
+where Newton's method finds no turn [1]."""
+
+_LEVEL = 1e-5
+"""Part of its value that the tangent of a curve may have where the curve comes back [1]."""
+
+_BOTH = 1e-6
+"""Ratio of singular values from which on the next to last one is zero, too [1]."""
 
 
 @dataclass(frozen=True)
@@ -61,6 +69,27 @@ class _Curve:
             raise NumericalError("the curve of turns is lost on the way to its limit")
         return found.point
 
+    def before_limit(self, start: Vector, way: Vector, size: float) -> tuple[Vector, Vector, float]:
+        """Return the last point before the limit, the tangent there and a step to behind it.
+
+        Steps are shorter where the curve bends too much for them.
+        """
+        finer = 0
+        for _ in range(_MOST_STEPS):
+            try:
+                x = self.at(start + size * way * self.scale, way)
+            except NumericalError:
+                finer += 1
+                if finer > _MOST_FINER:
+                    raise
+                size *= _FINER
+                continue
+            ahead = self.tangent(x, way)
+            if ahead[-1] <= 0.0:
+                return start, way, size
+            start, way, size = x, ahead, (_GROWTH if not finer else 1.0) * size
+        raise NumericalError("the curve of turns does not come back near its last turn")
+
     def rows(self, x: Vector) -> Vector:
         """Return the derivatives of what is unbalanced by unknowns and value."""
         normal = np.zeros(len(x))
@@ -93,17 +122,11 @@ def limit_turn(
     curve = _Curve(solver, turn, last)
     start, scale = curve.known, curve.scale
     earlier = np.append(solver.unknowns(turn(before[0]), before[1]), before[0])
-    length = float(np.linalg.norm((start - earlier) / scale))
-    way = curve.tangent(start, (start - earlier) / scale)
-    size = _FIRST * length
-    for _ in range(_MOST_STEPS):
-        x = curve.at(start + size * way * scale, way)
-        ahead = curve.tangent(x, way)
-        if ahead[-1] <= 0.0:
-            break
-        start, way, size = x, ahead, _GROWTH * size
-    else:
-        raise NumericalError("the curve of turns does not come back near its last turn")
+    secant = (start - earlier) / scale
+    way, size = curve.tangent(start, secant), _FIRST * float(np.linalg.norm(secant))
+    if way[-1] <= 0.0:
+        start, way = earlier, curve.tangent(earlier, secant)
+    start, way, size = curve.before_limit(start, way, size)
 
     def climbing(step: float) -> float:
         if step == 0.0:
@@ -113,5 +136,16 @@ def limit_turn(
     step = brentq(climbing, 0.0, size, xtol=1e-12 * size)
     x = curve.at(start + step * way * scale, way)
     rows = curve.rows(x)
-    left = np.linalg.svd(rows[:, :-1] * scale[:-1])[0][:, -1]
+    sides, sizes, _ = np.linalg.svd(rows[:, :-1] * scale[:-1])
+    if abs(curve.tangent(x, way)[-1]) > _LEVEL:
+        raise NumericalError(
+            f"the turns end at a corner at {x[-1]:.6g}, such as where a wheel lifts or locks, so "
+            "that the end has no derivative"
+        )
+    if sizes[-2] <= _BOTH * sizes[-3]:
+        raise NumericalError(
+            f"at the limit {x[-1]:.6g} two things give way at once, such as both wheels of an "
+            "axle, so that the limit has no derivative"
+        )
+    left = sides[:, -1]
     return TurnLimit(float(x[-1]), curve.point(x), left / float(left @ rows[:, -1]))

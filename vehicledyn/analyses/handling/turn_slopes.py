@@ -6,7 +6,8 @@ moves by ∂y/∂ξ dξ/dp + ∂y/∂p, all along loops that stay closed. What i
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -16,7 +17,7 @@ from vehicledyn.analyses.handling.circle import QUANTITIES, channels_described, 
 from vehicledyn.analyses.handling.slow_turn import slope_at_rest, slow_turns
 from vehicledyn.analyses.handling.steady_turn import SteadyTurn
 from vehicledyn.analyses.handling.tested_car import CarPoint
-from vehicledyn.analyses.handling.turn_equations import Turn, TurnOf
+from vehicledyn.analyses.handling.turn_equations import BRAKE_SCALE, Turn, TurnOf
 from vehicledyn.analyses.handling.turn_limit import TurnLimit
 from vehicledyn.analyses.preparation.build_model import build_subject
 from vehicledyn.base.errors import NumericalError
@@ -27,11 +28,34 @@ Vector = NDArray[np.float64]
 _ASIDE = 1e-40
 """Step into the complex plane, so small that its square is nothing."""
 
-_SPEED = "speed"
+_SPEED, _GAIN = "speed", "test.integral_gain"
 
-_UNDERSTEER = "understeer_angle"
+_UNDERSTEER, _SMALLEST_LOAD = "understeer_angle", "smallest_wheel_load"
+
+_ALIKE = 1e-7
+"""Part of wheel loads, and of their derivatives, within which they are one."""
+
 TURNED = tuple(name for name in QUANTITIES if name != _UNDERSTEER)
 """Quantities of a turn by itself; the understeer angle needs the effective wheelbase, too."""
+
+
+@dataclass(frozen=True)
+class TurnMoves:
+    """How a turn follows the car's parameters, and derivatives of the car there.
+
+    ``state`` (n_states, n_own) and ``parameters`` (n_parameters, n_own) are derivatives of its
+    states and of all parameters of its equations by the car's own.
+    """
+
+    total: TotalDerivatives
+    state: Vector
+    parameters: Vector
+
+    @property
+    def outputs(self) -> Vector:
+        """Derivatives of the channels that quantities need, (n_needed, n_own)."""
+        by_state = self.total.outputs @ self.state
+        return np.asarray(by_state + self.total.outputs_by_parameter @ self.parameters)
 
 
 class TurnSlopes:
@@ -55,9 +79,18 @@ class TurnSlopes:
         self._names = [p.name for p in e.parameters]
         self._derivatives = Derivatives(less, self._names)
         self._angle = car.table_places("test.steering.angle")
+        self._brake = car.table_places("test.brake_torque")
 
-    def at(self, turn: Turn, point: CarPoint) -> Vector:
+    def at(self, turn: Turn, point: CarPoint, *, asked: Vector | None = None) -> Vector:
         """Return the quantities of a turn and their derivatives, without understeer angle.
+
+        Parameters
+        ----------
+        turn, point
+            A turn.
+        asked
+            Derivatives of the value that is demanded of it by the car's parameters, of shape
+            (n_parameters,); None if it stays.
 
         Returns
         -------
@@ -72,18 +105,43 @@ class TurnSlopes:
         """
         car = self.solver.car
         outputs = car.outputs(point)
-        moved = self._moved(turn, point)
         rows = [described(car, outputs)]
+        moved = self.moves(turn, point, asked=asked).outputs
         for column in moved.T:
             step = zip(self._needed, column, strict=True)
             rows.append(described(car, {n: complex(outputs[n], _ASIDE * d) for n, d in step}))
-        found = np.array([[row[name] for name in TURNED] for row in rows])
-        return np.vstack([found[:1].real, found[1:].imag / _ASIDE])
+        numbers = np.array([[row[name] for name in TURNED] for row in rows])
+        found = np.vstack([numbers[:1].real, numbers[1:].imag / _ASIDE])
+        found[1:, TURNED.index(_SMALLEST_LOAD)] += self._loads_apart(outputs, moved)
+        return found
 
-    def quantity(self, name: str, turn: Turn, point: CarPoint) -> Vector:
+    def _loads_apart(self, outputs: Mapping[str, float], moved: Vector) -> Vector:
+        """Return zeros, but no numbers where two smallest loads of wheels move otherwise."""
+        loads = [f"{corner.name}.tyre.normal_force" for corner in self.solver.car.vehicle.corners]
+        least = min(outputs[name] for name in loads)
+        near = [n for n in loads if abs(outputs[n] - least) <= _ALIKE * max(1.0, abs(least))]
+        rows = moved[[self._needed.index(name) for name in near]]
+        size = np.abs(rows).max(axis=0)
+        return np.where(np.ptp(rows, axis=0) <= _ALIKE * np.maximum(size, 1.0), 0.0, np.nan)
+
+    def quantity(
+        self, name: str, turn: Turn, point: CarPoint, *, asked: Vector | None = None
+    ) -> Vector:
         """Return a quantity of a turn and its derivatives, (1 + n_parameters,)."""
-        found = self.at(turn, point)
-        return self._understeer(found) if name == _UNDERSTEER else found[:, TURNED.index(name)]
+        return self.named(name, self.at(turn, point, asked=asked))
+
+    def named(self, name: str, quantities: Vector) -> Vector:
+        """Return a quantity and its derivatives from what :meth:`at` gives."""
+        if name == _UNDERSTEER:
+            return self._understeer(quantities)
+        return quantities[:, TURNED.index(name)]
+
+    def yaw_acceleration(self, turn: Turn, point: CarPoint) -> Vector:
+        """Return the yaw acceleration of a car that is held, and its derivatives [rad/s²]."""
+        moves, row = self.moves(turn, point), self.solver.states.motion[2]
+        slope = moves.total.rates[row] @ moves.state
+        slope += moves.total.rates_by_parameter[row] @ moves.parameters
+        return np.append(self.solver.yaw_acceleration(point), slope)
 
     def _understeer(self, quantities: Vector) -> Vector:
         """Return the understeer angle from what :meth:`at` gives, (1 + n_parameters,)."""
@@ -115,36 +173,67 @@ class TurnSlopes:
     def _by_own(self, slopes: dict[str, float]) -> Vector:
         return np.array([slopes.get(self._names[k], 0.0) for k in self.parameters])
 
-    def _moved(self, turn: Turn, point: CarPoint) -> Vector:
-        """Return the derivatives of the channels that are needed, (n_needed, n_parameters)."""
-        solver, car = self.solver, self.solver.car
-        s, own = solver.states, self.parameters
+    def moves(
+        self,
+        turn: Turn,
+        point: CarPoint,
+        *,
+        asked: Vector | None = None,
+        gains: Mapping[str, Vector] | None = None,
+    ) -> TurnMoves:
+        """Return how a turn follows the car's parameters.
+
+        ``gains`` holds derivatives of further parameters by the car's own.
+
+        Raises
+        ------
+        NumericalError
+            If the turn is at a limit, where it does not follow the parameters.
+        """
+        solver, car, s = self.solver, self.solver.car, self.solver.states
+        given = self._given(point, gains or {})
         unknowns = solver.unknowns(turn, point)
         rows = solver.search(turn, point).evaluate(unknowns)[1]
-        total, state, share = self._parts(point, unknowns)
-        pushed = self._pushed(total, state, len(unknowns))
+        total, state, share = self._parts(point, unknowns, given)
+        pushed = self._pushed(turn, total, state, given)
+        if asked is not None:
+            pushed[-1] -= asked
         try:
             follow = -np.linalg.solve(rows, pushed)
         except np.linalg.LinAlgError:
             raise NumericalError("the turn is at a limit, where it has no derivative") from None
+        braked = point.parameters[self._brake[0]]
+        drive = np.zeros_like(follow[-1]) if braked else follow[-1]
         state[s.free] = follow[:-2]
-        state[s.integral] += share * follow[-1]
+        state[s.integral] += share * drive
         if s.pedal is not None:
-            state[s.pedal] = follow[-1]
-        parameters = np.zeros((len(point.parameters), len(own)))
-        parameters[own] = np.eye(len(own))
-        parameters[car.place(_SPEED)] = state[s.motion[0]]
-        parameters[self._angle] = follow[-2]
-        return np.asarray(total.outputs @ state + total.outputs_by_parameter @ parameters)
+            state[s.pedal] = drive
+        given[car.place(_SPEED)] = state[s.motion[0]]
+        given[self._angle] = follow[-2]
+        if braked:
+            given[self._brake] = -BRAKE_SCALE * follow[-1]
+        return TurnMoves(total, state, given)
 
     def limit(self, turn: TurnOf, found: TurnLimit) -> Vector:
         """Return the value of a limit, then its derivatives, (1 + n_parameters,)."""
-        unknowns = self.solver.unknowns(turn(found.value), found.point)
-        total, state, _ = self._parts(found.point, unknowns)
-        pushed = self._pushed(total, state, len(unknowns))
+        wanted = turn(found.value)
+        unknowns, given = self.solver.unknowns(wanted, found.point), self._given(found.point, {})
+        total, state, _ = self._parts(found.point, unknowns, given)
+        pushed = self._pushed(wanted, total, state, given)
         return np.concatenate([[found.value], -found.row @ pushed])
 
-    def _parts(self, point: CarPoint, unknowns: Vector) -> tuple[TotalDerivatives, Vector, float]:
+    def _given(self, point: CarPoint, gains: Mapping[str, Vector]) -> Vector:
+        """Return how all parameters follow the car's own, those of the turn aside."""
+        own, car = self.parameters, self.solver.car
+        given = np.zeros((len(point.parameters), len(own)))
+        given[own] = np.eye(len(own))
+        for name, slopes in gains.items():
+            given[car.place(name)] = slopes
+        return given
+
+    def _parts(
+        self, point: CarPoint, unknowns: Vector, given: Vector
+    ) -> tuple[TotalDerivatives, Vector, float]:
         """Return derivatives at a turn, those of states that no unknown is, and a share.
 
         The share is what the controller's integral moves by with the drive among the unknowns.
@@ -154,17 +243,18 @@ class TurnSlopes:
         state = np.zeros((len(point.state), len(own)))
         share = 1.0
         if s.pedal is not None and car.vehicle.throttle is not None:
-            torque = car.vehicle.throttle.torque
-            gain = point.parameters[car.place("test.integral_gain")]
-            share = car.worth(torque) / gain
+            torque, place = car.vehicle.throttle.torque, car.place(_GAIN)
+            gain = point.parameters[place]
+            share, pressed = car.worth(torque) / gain, point.state[s.pedal]
             by_full = self._by_own(car.vehicle.worth_slopes(torque))
-            state[s.integral] = unknowns[-1] * by_full / gain
+            state[s.integral] = pressed * (by_full - share * given[place]) / gain
         return total, state, share
 
-    def _pushed(self, total: TotalDerivatives, state: Vector, size: int) -> Vector:
+    def _pushed(self, turn: Turn, total: TotalDerivatives, state: Vector, given: Vector) -> Vector:
         """Return the derivatives of what is unbalanced by the car's parameters, (size, n)."""
-        balanced, own = self.solver.states.balanced, self.parameters
-        pushed = np.zeros((size, len(own)))
-        by_parameter = total.rates_by_parameter[np.ix_(balanced, own)]
-        pushed[: len(balanced)] = by_parameter + total.rates[balanced] @ state
-        return pushed
+        states = self.solver.states
+        balanced = states.balanced
+        pushed = total.rates_by_parameter[balanced] @ given + total.rates[balanced] @ state
+        if turn.sideslip is not None:
+            pushed[balanced.index(states.motion[2])] = 0.0
+        return np.vstack([pushed, np.zeros((2, pushed.shape[1]))])

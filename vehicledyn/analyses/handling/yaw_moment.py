@@ -79,7 +79,9 @@ def yaw_moments(
     sides = order[sideslip[order] >= 0.0], order[sideslip[order] < 0.0]
     for column, angle in enumerate(steering):
         for rows in sides:
-            found, reason = _column(solver, straight, float(angle), speed=speed, to=sideslip[rows])
+            found, reason = held_turns(
+                solver, straight, float(angle), speed=speed, to=sideslip[rows]
+            )
             reasons[rows, column] = [""] * len(found) + [reason] * (len(rows) - len(found))
             for row, point in zip(rows, found, strict=False):
                 lateral[row, column] = solver.car.outputs(point)["body.yaw_rate"] * speed
@@ -87,7 +89,7 @@ def yaw_moments(
     return YawMoments(speed, sideslip, steering, lateral, yaw, reasons.astype(str))
 
 
-def _column(
+def held_turns(
     solver: SteadyTurn, straight: CarPoint, angle: float, *, speed: float, to: Vector
 ) -> tuple[list[CarPoint], str]:
     """Return the turns of side-slip angles that grow to one side, and why the rest has none.

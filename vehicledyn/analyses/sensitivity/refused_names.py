@@ -12,8 +12,8 @@ _CALL = re.compile(r"(\w+)\(.*\)")
 _GEOMETRY = "it computes geometry of files, which stand in no equations"
 _STUDY = "a study is no function of one set of parameters"
 REASONS = {
-    "handling": "its tests are simulated one by one; ask for steady(...) of steady cornering, and "
-    "for figures of the run of one test",
+    "handling": "its tests are simulated one by one; ask for steady(...) of steady cornering, yaw "
+    "responses and limits, and for figures of the run of one test",
     "hunt": "its cycles have names of their own, cycle_amplitude(CHANNEL) and the like, critical "
     "speeds critical_speed and nonlinear_critical_speed",
     "modes": "ask for eigenvalues, mode_shapes and critical_speed",
