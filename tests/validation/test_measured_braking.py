@@ -1,6 +1,6 @@
 """A measured car brakes with anti-lock: speed and stopping distance of a BMW M8.
 
-Masses are published; tyres and brakes are estimated. One number is fitted, the friction: 1.22. The
+Masses are published; tyres and brakes are estimated. One number is fitted, the friction: 1.20. The
 brake torque on the bus reaches 16 kN m, some 60 % more than such a car's mass and measured
 deceleration need, so it is taken for what the driver asks for; the pedal follows its first 0.75 s
 by a straight line. The engine's drag is left out.
@@ -21,7 +21,7 @@ title: A BMW M8 brakes
 model: {model}
 road: {{kind: flat}}
 tyres: {{kind: linear, nominal_load: 5 kN, longitudinal_stiffness: 110 kN,
-  cornering_stiffness: 90 kN/rad, friction: 1.22}}
+  cornering_stiffness: 90 kN/rad, friction: 1.2}}
 wheel_spin: free
 speed: {speed} m/s
 start: static
