@@ -18,8 +18,9 @@ from vehicledyn.interface.running import Progress, reporter, result_place
 from vehicledyn.interface.targets import Source, read_scenario
 from vehicledyn.results.labelled.data import LabelledData
 from vehicledyn.studies.identification.experiments import Measured
-from vehicledyn.studies.identification.identify import IdentificationReport, channel_unit
+from vehicledyn.studies.identification.identify import IdentificationReport
 from vehicledyn.studies.identification.identify import identify as find
+from vehicledyn.studies.known_names import KnownNames
 
 
 @checked
@@ -61,12 +62,13 @@ def identify(
     """
     loaded = read_scenario(scenario, override_texts(set, settings))
     tell, items = reporter(progress), []
+    known = KnownNames.of(loaded, tell)
     for channel, parts in measured.items():
         if len(parts) != 3:
             raise InputError(f"{argument('measured')}: {channel}: give times, values and noise")
         times, values = (np.asarray(part, dtype=float) for part in parts[:2])
         noise = parts[2]
-        unit = channel_unit(loaded, channel)
+        unit = known.channel_unit(channel)
         try:
             size = to_si(noise, unit)
         except InputError as error:

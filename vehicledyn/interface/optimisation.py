@@ -60,13 +60,14 @@ def optimise(
     from vehicledyn.studies.optimisation.file import load_optimisation
     from vehicledyn.studies.optimisation.run import run_optimisation
 
-    loaded = load_optimisation(locate(str(study), ("study",)), override_texts(set, settings))
+    tell, texts = reporter(progress), override_texts(set, settings)
+    loaded = load_optimisation(locate(str(study), ("study",)), texts, tell)
     model = None
     if system_file is not None:
         ends = {item.name: item.low for item in loaded.variables}
         model = only_model(loaded.scenarios.values(), system_file, ends)
     with result_place(save_to, may_exist=overwrite, resume=resume) as place:
-        report = run_optimisation(loaded, kept=place.kept, progress=reporter(progress))
+        report = run_optimisation(loaded, kept=place.kept, progress=tell)
         write_optimum(place.path, report.table)
         if model is not None and system_file is not None and not report.missed:
             write_found_system(system_file, model, report.as_dict()["set"])

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
 from vehicledyn.analyse.uncertainty import Distribution, normal, triangular, uniform
-from vehicledyn.base.errors import InputError
-from vehicledyn.base.units import to_si
+from vehicledyn.base.problems import Place
+from vehicledyn.studies.mistakes import Mistakes
 
 _LAWS: dict[str, tuple[Any, tuple[str, ...]]] = {
     "normal": (normal, ("mean", "deviation")),
@@ -16,32 +17,38 @@ _LAWS: dict[str, tuple[Any, tuple[str, ...]]] = {
 }
 
 
-def read_law(group: str, name: str, given: Mapping[str, Any], unit: str) -> Distribution:
-    """Return the distribution of a parameter, an entry of a group of a study, in SI.
+def read_law(mistakes: Mistakes, place: Place, given: Any, unit: str) -> Distribution | None:
+    """Return the distribution of a parameter in SI, None and problems if it is none.
 
-    Raises
-    ------
-    InputError
-        If its kind is unknown or its numbers are not those of the kind.
+    Parameters
+    ----------
+    mistakes
+        What is wrong in the study so far.
+    place
+        Where it stands in the study.
+    given
+        Its ``kind`` and the numbers of that kind.
+    unit
+        SI unit of the parameter.
     """
-    kind, place = given.get("kind"), f"{group}.{name}"
+    if not isinstance(given, Mapping):
+        mistakes.wrong(place, "expected a distribution, a mapping with kind")
+        return None
+    kind = given.get("kind")
     if not isinstance(kind, str) or kind not in _LAWS:
         known = ", ".join(_LAWS)
-        raise wrong(place, f"kind '{kind!s:.40}' is unknown; known are {known}")
+        mistakes.wrong(place, f"kind '{kind!s:.40}' is unknown; known are {known}")
+        return None
     make, fields = _LAWS[kind]
     if set(given) != {"kind", *fields}:
-        raise wrong(place, f"a {kind} distribution has {', '.join(fields)}")
-    try:
-        numbers = [to_si(given[item], unit) for item in fields]
-    except InputError as error:
-        raise wrong(place, str(error)) from None
+        mistakes.wrong(place, f"a {kind} distribution has {', '.join(fields)}")
+        return None
+    numbers = [mistakes.number((*place, item), given[item], unit) for item in fields]
+    if not all(map(math.isfinite, numbers)):
+        return None
     ordered = numbers[1] > 0.0 if kind == "normal" else numbers == sorted(set(numbers))
     if not ordered:
-        raise wrong(place, "its numbers must grow, a deviation be above zero")
+        mistakes.wrong(place, "its numbers must grow, a deviation be above zero")
+        return None
     found: Distribution = make(*numbers)
     return found
-
-
-def wrong(place: str, words: str) -> InputError:
-    """Return the error of a key of a study."""
-    return InputError(f"{place}: {words}", about=(place,))

@@ -14,15 +14,13 @@ from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.results.store.linear_file import Quantity
 
 
-def refuse_ends(
+def refused_ends(
     scenarios: Iterable[LoadedScenario],
     ends: Mapping[str, tuple[float, float]],
     now: Mapping[str, float],
     about: Mapping[str, Quantity],
-    *,
-    place: str,
-) -> None:
-    """Raise InputError if a model refuses an end of the range of a parameter.
+) -> dict[str, str]:
+    """Return why models refuse an end of the range of parameters, by their names.
 
     What only several of them together would be refused for is no mistake.
 
@@ -34,9 +32,8 @@ def refuse_ends(
         Lowest and highest value of each parameter, in SI, by name.
     now, about
         Their present values and their units by name.
-    place
-        What stands before a name in messages, such as ``study.yaml: variables.``.
     """
+    found: dict[str, str] = {}
     for loaded in scenarios:
         for side in range(2):
             values = {name: pair[side] for name, pair in ends.items()}
@@ -46,10 +43,9 @@ def refuse_ends(
                 why = _refusal(loaded, {name: value}, about)
                 if why is None or _refusal(loaded, {name: now[name]}, about) is not None:
                     continue  # a name that files do not know, such as that of a mirrored part
-                raise InputError(
-                    f"{place}{name}: the model refuses {shown(value, about[name].unit)}: {why}; "
-                    "narrow the range"
-                )
+                size = shown(value, about[name].unit)
+                found.setdefault(name, f"the model refuses {size}: {why}; narrow the range")
+    return found
 
 
 def _refusal(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple, Protocol, TypeAlias
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -12,7 +12,6 @@ from vehicledyn.analyse.gradients.key_figures import FigureSlope, unit_of
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.analyses.sensitivity.confirmation import unconfirmed_of
 from vehicledyn.analyses.sensitivity.driving_failures import driving_failure
-from vehicledyn.analyses.sensitivity.figure_names import check_figures
 from vehicledyn.analyses.sensitivity.known_analyses import ANALYSES, RUN, analysis_of
 from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
 from vehicledyn.analyses.sensitivity.names import RequestedNames, directions, named_channels, wanted
@@ -21,10 +20,9 @@ from vehicledyn.base.step_memory import Memory
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.results.tables.sensitivity_table import SensitivityTable
+from vehicledyn.studies.known_names import Parameters, parameters_of
+from vehicledyn.studies.mistakes import silent
 from vehicledyn.studies.refused_values import written
-
-Parameters: TypeAlias = Mapping[str, tuple[Quantity, float]]
-"""Parameters by name, with their values."""
 
 _LISTED = 4
 
@@ -102,16 +100,13 @@ class RunFigures:
 
     @classmethod
     def of(cls, loaded: LoadedScenario, names: Sequence[str], progress: Progress) -> RunFigures:
-        """Return figures of a run by their names.
+        """Return figures of a run by their names, which were checked.
 
         Raises
         ------
-        InputError
-            If a name means nothing.
         NumericalError
             If the run fails.
         """
-        check_figures(loaded, names, progress)
         study = MotionStudy.of(loaded, named_channels(names), progress)
         e = study.prepared.equations
         return cls(study, wanted(e, names, [name for name in names if "(" not in name]))
@@ -129,9 +124,7 @@ class RunFigures:
     @property
     def parameters(self) -> Parameters:
         """Parameters of the model."""
-        prepared = self.study.prepared
-        pairs = zip(prepared.equations.parameters, prepared.kernel.parameters, strict=True)
-        return {p.name: (Quantity(p.name, p.unit, p.description), float(v)) for p, v in pairs}
+        return parameters_of(self.study.prepared)
 
     @property
     def notes(self) -> list[str]:
@@ -170,7 +163,7 @@ class RunFigures:
         study = self.study.moved(dict(point))
         e, kernel = study.prepared.equations, study.prepared.kernel
         chosen = directions(e, kernel.parameters, study.start.state, list(point))
-        motion = study.followed(chosen, _silent)
+        motion = study.followed(chosen, silent)
         return unconfirmed_of(study, chosen, motion, self.asked)
 
 
@@ -201,7 +194,7 @@ class AnalysisFigures:
         """
         if ANALYSES[analysis].subject == "file":
             raise InputError(f"'{asked[0]}' is of a file, not of a scenario")
-        first = _table(loaded, analysis, asked, ["parameters.*"], _silent)
+        first = _table(loaded, analysis, asked, ["parameters.*"], silent)
         _places(asked, first)
         return cls(loaded, analysis, list(asked), first)
 
@@ -261,10 +254,12 @@ def figures_of(
 ) -> list[ScenarioFigures]:
     """Return figures of a scenario by their names, analysis by analysis.
 
+    Names of figures of the run were checked.
+
     Raises
     ------
     InputError
-        If a name means nothing.
+        If another name means nothing.
     NumericalError
         If the run or an analysis fails.
     """
@@ -312,7 +307,3 @@ def _places(asked: Sequence[str], table: SensitivityTable) -> list[int]:
                 f"{listed}"
             )
     return [names.index(name) for name in asked]
-
-
-def _silent(text: str, fraction: float | None = None) -> None:
-    """Report nothing."""

@@ -3,27 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from vehicledyn.base.errors import InputError, nearest_name
-from vehicledyn.base.problems import START, Problem, dotted, refusal
+from vehicledyn.base.errors import InputError
+from vehicledyn.base.problems import Place
 from vehicledyn.base.yaml import Document, read_yaml
-from vehicledyn.files.scenario import LoadedScenario, load_scenario
+from vehicledyn.files.scenario.load import LoadedScenario, examine_scenario
+from vehicledyn.files.scenario.overrides import Change, read_override
 from vehicledyn.files.scenario.settings import override_texts
+from vehicledyn.studies.mistakes import Mistakes
 
 LARGEST = 1e9
 """Largest number of a study that no other limit is given for."""
 
 
-@dataclass
+@dataclass(frozen=True)
 class StudyForm:
     """A study file as plain data, and what is wrong with it so far."""
 
     path: Path
     document: Document
-    problems: list[Problem]
+    mistakes: Mistakes = field(repr=False, compare=False)
 
     @staticmethod
     def read(path: Path, *, required: Sequence[str], optional: Sequence[str]) -> StudyForm:
@@ -35,7 +37,7 @@ class StudyForm:
             If it cannot be read or is no mapping.
         """
         document = read_yaml(path)
-        form = StudyForm(path, document, list(document.problems))
+        form = StudyForm(path, document, Mistakes(document, list(document.problems)))
         if not isinstance(document.data, dict):
             form.wrong((), f"a study is a mapping with {', '.join(required)}")
             form.refuse()
@@ -51,33 +53,24 @@ class StudyForm:
         found: dict[str, Any] = self.document.data
         return found
 
-    def wrong(self, place: tuple[str | int, ...], words: str) -> None:
+    def wrong(self, place: Place, words: str, *, at_key: bool = False) -> None:
         """Note a problem at a place."""
-        marks = self.document
-        mark = marks.values.get(place) or marks.keys.get(place) or START
-        found = Problem(marks.name, mark, ".".join(map(str, place)) or "file", words)
-        if found not in self.problems:
-            self.problems.append(found)
+        self.mistakes.wrong(place, words, at_key=at_key)
 
     def refuse(self) -> None:
         """Raise InputError if anything is wrong."""
-        if self.problems:
-            raise refusal(self.problems, self.document.name)
+        self.mistakes.refuse()
 
-    def check(self, place: tuple[str | int, ...], item: Any, keys: Collection[str]) -> bool:
+    def check(self, place: Place, item: Any, keys: Collection[str]) -> bool:
         """Note keys that mean nothing; return whether the item is a mapping."""
         if not isinstance(item, dict):
             self.wrong(place, f"expected a mapping with {', '.join(keys)}")
             return False
-        for key in item:
-            if key not in keys:
-                guess = nearest_name(str(key), keys)
-                hint = f"; did you mean '{guess}'?" if guess else ""
-                self.wrong((*place, key), f"unknown key{hint} Known: {', '.join(keys)}")
+        self.mistakes.check_keys(place, item, keys)
         return True
 
     def entries(
-        self, place: tuple[str | int, ...], keys: Sequence[str] = (), needed: Sequence[str] = ()
+        self, place: Place, keys: Sequence[str] = (), needed: Sequence[str] = ()
     ) -> Iterator[tuple[str, dict[str, Any]]]:
         """Yield the mappings of a mapping by name, those that have the needed keys."""
         group: Any = self.data
@@ -91,6 +84,9 @@ class StudyForm:
         for name, item in group.items():
             here = (*place, name)
             if keys and not self.check(here, item, keys):
+                continue
+            if needed and not isinstance(item, dict):
+                self.wrong(here, f"expected a mapping with {', '.join(needed)}")
                 continue
             missing = [key for key in needed if item.get(key) is None]
             if missing:
@@ -120,34 +116,73 @@ class StudyForm:
         self.wrong((key,), f"'{value!s:.40}' is unknown; known: {', '.join(known)}")
         return default
 
-    def placed(self, error: InputError) -> InputError:
-        """Return an error about a key of the study, which it names, with file, line and column."""
-        places = {dotted(place): place for place in self.document.values}
-        field = next((name for name in error.about if name in places), None)
-        if field is None:
-            return InputError(f"{self.path}: {error}")
-        mark = self.document.values[places[field]]
-        words = str(error).removeprefix(f"{field}: ")
-        return InputError(str(Problem(self.document.name, mark, field, words)))
-
     def scenario(
-        self, place: tuple[str | int, ...], given: Any, changes: Any, overrides: Sequence[str] = ()
+        self,
+        place: Place,
+        given: Any,
+        changes: Any,
+        overrides: Sequence[str] = (),
+        *,
+        groups: Sequence[Place] = (("set",),),
+    ) -> LoadedScenario | None:
+        """Return a scenario beside the study or of the library, None and problems if it is wrong.
+
+        Parameters
+        ----------
+        place
+            Place of its path or name.
+        given
+            Its path or name.
+        changes
+            Changes by dotted keys that the study makes, None for none.
+        overrides
+            Further changes ``key=value``.
+        groups
+            Places of the mappings that the changes stand in, the last first.
+        """
+        if not isinstance(given, str):
+            self.wrong(place, "expected the path or name of a scenario")
+            return None
+        if changes is not None and not isinstance(changes, Mapping):
+            self.wrong(groups[-1], "expected a mapping of changes")
+            return None
+        try:
+            path = located(self.path, given)
+            document = read_yaml(path)
+            texts = [*override_texts(changes or {}, {}), *overrides]
+        except InputError as error:
+            self.wrong(place, str(error).splitlines()[0])
+            return None
+        loaded, problems = examine_scenario(document, path, texts)
+        if loaded is None:
+            own = [
+                Change(key, item, self._origin(key, groups))
+                for key, item in (changes or {}).items()
+            ]
+            own += [item for item in map(read_override, overrides) if isinstance(item, Change)]
+            problems = examine_scenario(document, path, (), own)[1] or problems
+            self.mistakes.problems += [p for p in problems if p not in self.mistakes.problems]
+        return loaded
+
+    def only_scenario(
+        self, place: Place, given: Any, changes: Any, overrides: Sequence[str] = ()
     ) -> LoadedScenario:
-        """Return a scenario beside the study or of the library, with changes.
+        """Return a scenario as :meth:`scenario` does.
 
         Raises
         ------
         InputError
-            If there is none of this name, or anything in it is wrong.
+            If anything in it, or in the study so far, is wrong.
         """
-        if not isinstance(given, str):
-            self.wrong(place, "expected the path or name of a scenario")
-            self.refuse()
-        if changes is not None and not isinstance(changes, Mapping):
-            self.wrong((*place[:-1], "set"), "expected a mapping of changes")
-            self.refuse()
-        texts = [*override_texts(changes or {}, {}), *overrides]
-        return load_scenario(located(self.path, given), texts)
+        loaded = self.scenario(place, given, changes, overrides)
+        self.refuse()
+        assert loaded is not None  # what is wrong with it was refused
+        return loaded
+
+    def _origin(self, key: str, groups: Sequence[Place]) -> str:
+        """Return the line of a change of a scenario, for messages."""
+        known = ((*group, key) for group in groups if (*group, key) in self.document.values)
+        return str(self.mistakes.problem(next(known, groups[-1]), ""))
 
 
 def is_there(path: Path) -> bool:

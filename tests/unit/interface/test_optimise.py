@@ -197,7 +197,7 @@ def test_what_a_system_file_cannot_hold_is_refused_before_the_search(tmp_path):
     path = tmp_path / "study.yaml"
     path.write_text(
         "scenarios: run.yaml\nvariables: {front_left.tyre.friction: {from: 0.5, to: 1}}\n"
-        "minimise: max(body.roll)\n",
+        "minimise: max(chassis.roll)\n",
         encoding="utf-8",
     )
     car = "model: small_car\nmanoeuvre: {kind: straight}\nspeed: 9 m/s"

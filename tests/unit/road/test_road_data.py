@@ -169,8 +169,8 @@ parameters: {body.mass: {kind: uniform, from: 700 kg, to: 1200 kg}}
 def test_a_check_of_a_study_tells_missing_heights_and_paths_of_its_scenarios(
     kind, tmp_path, monkeypatch
 ):
-    monkeypatch.setattr("vehicledyn.studies.optimisation.file.check_figures", lambda *_: None)
-    monkeypatch.setattr("vehicledyn.studies.uncertainty.study.check_figures", lambda *_: None)
+    monkeypatch.setattr("vehicledyn.studies.optimisation.file.note_mistakes", lambda *_: None)
+    monkeypatch.setattr("vehicledyn.studies.uncertainty.study.note_mistakes", lambda *_, **__: None)
     gapped(tmp_path)
     (tmp_path / "gap.yaml").write_text(SCENARIO)
     smooth = SCENARIO.replace("{kind: opencrg, file: gap.crg}", "{kind: flat}")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -36,16 +36,16 @@ def is_figure_of_run(name: str, equations: Equations) -> bool:
 
 def check_figures(loaded: LoadedScenario, of: Sequence[str], progress: Progress) -> None:
     """Refuse names that are no figures; raises as :func:`check_names`, and for curves."""
-    curves = check_names(loaded, of, progress).curves
-    if curves:
-        raise InputError(f"'{curves[0]}' is a curve; take a figure of it, such as rms({curves[0]})")
+    for words in wrong_figures(loaded, of, progress).values():
+        raise InputError(words)
 
 
-def check_names(loaded: LoadedScenario, of: Sequence[str], progress: Progress) -> RequestedNames:
-    """Return what names ask for; refuse those that are neither channels nor figures of the run.
+def check_names(loaded: LoadedScenario, of: Sequence[str], progress: Progress) -> None:
+    """Refuse names that are neither channels nor figures of the run.
 
     Which key figures there are depends on the run, which is simulated for it by the scenario's
-    own method, its first part alone where that shows them; that needs no compiler.
+    own method, its first part alone where that shows them; that needs no compiler. It is not
+    simulated where other names mean nothing.
 
     Parameters
     ----------
@@ -63,22 +63,55 @@ def check_names(loaded: LoadedScenario, of: Sequence[str], progress: Progress) -
     NumericalError
         If the run fails.
     """
+    for words in _looked_up(loaded, of, progress)[1].values():
+        raise InputError(words)
+
+
+def wrong_figures(loaded: LoadedScenario, of: Sequence[str], progress: Progress) -> dict[str, str]:
+    """Return what is wrong with names that are no figures, by name; curves are none.
+
+    The arguments and errors of runs are those of :func:`check_names`.
+    """
+    found, wrong = _looked_up(loaded, of, progress)
+    for name, asked in found.items():
+        if asked.curves:
+            curve = asked.curves[0]
+            wrong[name] = f"'{curve}' is a curve; take a figure of it, such as rms({curve})"
+    return wrong
+
+
+def _looked_up(
+    loaded: LoadedScenario, of: Sequence[str], progress: Progress
+) -> tuple[dict[str, RequestedNames], dict[str, str]]:
+    """Return what each name asks for, and what is wrong with those that mean nothing."""
     prepared, start = prepare_run(loaded, backend="auto", progress=progress)
-    doubtful = [name for name in of if is_figure_of_run(name, prepared.equations)]
-    found = wanted(prepared.equations, of, doubtful)
-    impossible = [name for name in doubtful if set(name) & _IN_NO_NAME]
-    if impossible:
-        wanted(prepared.equations, impossible, ())
-    if doubtful:
-        progress("finding the key figures of the run", None)
-        whole, interval = loaded.scenario.duration, loaded.scenario.output.interval
-        known: list[str] = []
-        if whole > _FIRST_SAMPLES * interval and not any(set(name) & _PATTERN for name in doubtful):
-            known = _figures_of_run(loaded, prepared, start, _FIRST_SAMPLES * interval)
-        if not set(doubtful) <= set(known):
-            known = _figures_of_run(loaded, prepared, start, whole)
-        found = wanted(prepared.equations, of, known)
-    return found
+    equations = prepared.equations
+    doubtful = [name for name in of if is_figure_of_run(name, equations)]
+    taken = {name: [name] for name in doubtful if not set(name) & _IN_NO_NAME}
+    found, wrong = _meant(equations, {name: taken.get(name, []) for name in of})
+    if not doubtful or wrong:
+        return found, wrong
+    progress("finding the key figures of the run", None)
+    whole, interval = loaded.scenario.duration, loaded.scenario.output.interval
+    known: list[str] = []
+    if whole > _FIRST_SAMPLES * interval and not any(set(name) & _PATTERN for name in doubtful):
+        known = _figures_of_run(loaded, prepared, start, _FIRST_SAMPLES * interval)
+    if not set(doubtful) <= set(known):
+        known = _figures_of_run(loaded, prepared, start, whole)
+    return _meant(equations, dict.fromkeys(of, known))
+
+
+def _meant(
+    equations: Equations, of: Mapping[str, Sequence[str]]
+) -> tuple[dict[str, RequestedNames], dict[str, str]]:
+    """Return what names ask for by the figures there are, and what is wrong with the others."""
+    found, wrong = {}, {}
+    for name, known in of.items():
+        try:
+            found[name] = wanted(equations, [name], known)
+        except InputError as error:
+            wrong[name] = str(error)
+    return found, wrong
 
 
 def _figures_of_run(

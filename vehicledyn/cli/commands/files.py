@@ -58,10 +58,7 @@ def _read_as(data: Any, path: Path, overrides: list[str]) -> list[str]:
     from vehicledyn.studies import is_study
 
     if load := _parameter_study(data):
-        study = load(path, overrides)
-        if check := getattr(study, "check_figures", None):
-            check(lambda *_: None)
-        return cautions(*study.subjects())
+        return cautions(*load(path, overrides).subjects())
     if is_study(data):
         from vehicledyn.studies import load_study
 

@@ -13,10 +13,12 @@ from vehicledyn.analyses.sensitivity.confirmation import unconfirmed
 from vehicledyn.analyses.sensitivity.driving_failures import driving_failure
 from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
 from vehicledyn.analyses.sensitivity.names import directions
-from vehicledyn.base.errors import InputError, NumericalError
+from vehicledyn.base.errors import NumericalError
+from vehicledyn.base.problems import Place
 from vehicledyn.base.step_memory import Memory
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.results.store.linear_file import Quantity
+from vehicledyn.studies.mistakes import Mistakes
 
 if TYPE_CHECKING:
     from vehicledyn.studies.identification.identified import Unknowns
@@ -58,15 +60,13 @@ class Fitting:
 
     @staticmethod
     def of(experiment: Experiment, runs: Memory, progress: Progress) -> Fitting:
-        """Check the measurements and prepare the scenario.
+        """Prepare the scenario of an experiment whose measurements were checked.
 
         Raises
         ------
         InputError
-            If a measurement cannot be used, or a channel is unknown.
+            If its motion has no derivatives.
         """
-        for item in experiment.measured:
-            _check(item, experiment)
         channels = list(dict.fromkeys(item.channel for item in experiment.measured))
         study = MotionStudy.of(experiment.loaded, channels, progress)
         return Fitting(experiment, study, runs, progress)
@@ -166,19 +166,31 @@ class Fitting:
         }
 
 
-def _check(item: Measured, experiment: Experiment) -> None:
-    """Raise InputError for a measurement that cannot be used."""
+def check_measured(mistakes: Mistakes, experiment: Experiment) -> None:
+    """Note measurements of an experiment that cannot be used."""
     duration = experiment.loaded.scenario.duration
-    where = f"measured '{item.channel}'"
-    where = f"experiments.{experiment.name}: {where}" if experiment.name else where
+    for item in experiment.measured:
+        place: Place = ("measured", item.channel)
+        if experiment.name:
+            place = ("experiments", experiment.name, "signals", item.channel)
+        if words := _unusable(item, duration):
+            mistakes.wrong(place, words, at_key=True)
+
+
+def _unusable(item: Measured, duration: float) -> str:
+    """Return why a measurement cannot be used, empty if it can."""
     if item.times.shape != item.values.shape or item.times.ndim != 1 or not item.times.size:
-        raise InputError(f"{where}: needs as many values as times")
+        return "needs as many values as times, one or more"
     if not (np.isfinite(item.times).all() and np.isfinite(item.values).all()):
-        raise InputError(f"{where}: has gaps; leave the samples without a value out")
+        return "has gaps; leave the samples without a value out"
     if np.any(np.diff(item.times) <= 0.0):
-        raise InputError(f"{where}: its times must grow")
+        return "its times must grow"
     at = item.times - item.lag
     if at[0] < 0.0 or at[-1] > duration * (1.0 + 1e-12):
-        raise InputError(f"{where}: lies outside the run from 0 to {duration:g} s")
+        return (
+            f"its times from {at[0]:g} to {at[-1]:g} s lie outside the run from 0 to "
+            f"{duration:g} s; leave the samples beyond out, or change 'duration' or 'lag'"
+        )
     if not item.noise > 0.0:
-        raise InputError(f"{where}: the deviation of its noise must be above zero")
+        return "the deviation of its noise must be above zero"
+    return ""

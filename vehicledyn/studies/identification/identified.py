@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
 from vehicledyn.analyses.sensitivity.names import START
-from vehicledyn.base.errors import InputError, nearest_name
-from vehicledyn.base.units import to_si
+from vehicledyn.base.problems import Place
+from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.results.store.linear_file import Quantity
-from vehicledyn.studies.refused_values import refuse_ends
+from vehicledyn.studies.known_names import KnownNames, unknown_parameter
+from vehicledyn.studies.mistakes import Mistakes
+from vehicledyn.studies.refused_values import refused_ends
 
 Floats = NDArray[np.float64]
 
@@ -39,36 +40,40 @@ class Unknowns:
     deviation: Floats
 
     @staticmethod
-    def of(given: Mapping[str, Mapping[str, Any]], studies: Sequence[MotionStudy]) -> Unknowns:
-        """Return what is sought in all of some studies.
+    def of(
+        mistakes: Mistakes,
+        given: Mapping[str, Any],
+        scenarios: Sequence[tuple[LoadedScenario, KnownNames]],
+    ) -> Unknowns:
+        """Return what is sought in all of some scenarios; what is wrong with it is noted.
 
-        Raises
-        ------
-        InputError
-            If a name, a unit or a bound means nothing.
+        Of parameters about which anything is wrong there is none.
         """
-        names = [name.removeprefix("parameters.") for name in given]
-        if not names:
-            raise InputError("parameters: name one or more with their bounds")
-        known = [_known(study) for study in studies]
-        for name in names:
-            for study, items in zip(studies, known, strict=True):
-                _check_name(name, items, study.prepared.equations.name)
-        quantities = tuple(known[0][name][0] for name in names)
-        columns: dict[str, list[float]] = {key: [] for key in KEYS}
-        for name, quantity, item in zip(names, quantities, given.values(), strict=True):
-            for key, value in _numbers(name, quantity.unit, item, known[0][name][1]).items():
-                columns[key].append(value)
-        low, high, start, prior, deviation = (np.array(columns[key]) for key in KEYS)
-        own = [k for k, name in enumerate(names) if not name.startswith(START)]
-        refuse_ends(
-            [study.loaded for study in studies],
-            {names[k]: (float(low[k]), float(high[k])) for k in own},
-            {names[k]: known[0][names[k]][1] for k in own},
-            {names[k]: quantities[k] for k in own},
-            place="parameters.",
+        if not given:
+            mistakes.wrong(("parameters",), "name one or more with their bounds")
+        known = {**scenarios[0][1].parameters, **scenarios[0][1].starts}
+        keys: dict[str, str] = {}
+        rows: dict[str, list[float]] = {}
+        for key, item in given.items():
+            name, place = key.removeprefix("parameters."), ("parameters", key)
+            if words := _unknown(name, scenarios):
+                mistakes.wrong(place, words, at_key=True)
+            elif name in keys:
+                mistakes.wrong(place, f"is the same parameter as '{keys[name]}'", at_key=True)
+            elif numbers := _numbers(mistakes, place, item, *known[name]):
+                rows[name] = numbers
+            keys.setdefault(name, key)
+        own = [name for name in rows if not name.startswith(START)]
+        refused = refused_ends(
+            [loaded for loaded, _ in scenarios],
+            {name: (rows[name][0], rows[name][1]) for name in own},
+            {name: known[name][1] for name in own},
+            {name: known[name][0] for name in own},
         )
-        return Unknowns(quantities, low, high, start, prior, deviation)
+        for name, words in refused.items():
+            mistakes.wrong(("parameters", keys[name]), words)
+        columns = np.array(list(rows.values())).reshape(len(rows), len(KEYS)).T
+        return Unknowns(tuple(known[name][0] for name in rows), *columns)
 
     @property
     def names(self) -> list[str]:
@@ -93,45 +98,40 @@ class Unknowns:
         return [int(k) for k in np.flatnonzero(near)]
 
 
-def _known(study: MotionStudy) -> dict[str, tuple[Quantity, float]]:
-    """Return what a study could identify, with its present values."""
-    e, parameters = study.prepared.equations, study.prepared.kernel.parameters
-    found = {
-        p.name: (Quantity(p.name, p.unit, p.description), float(value))
-        for p, value in zip(e.parameters, parameters, strict=True)
-        if p.name != "speed"
-    }
-    for item, value in zip(e.states, study.start.state, strict=True):
-        name = f"{START}{item.name}"
-        found[name] = Quantity(name, item.unit, item.description), float(value)
-    return found
+def _unknown(name: str, scenarios: Sequence[tuple[LoadedScenario, KnownNames]]) -> str:
+    """Return what is wrong with the name of a parameter, by the first scenario that lacks it."""
+    for _, own in scenarios:
+        known = own.starts if name.startswith(START) else own.parameters
+        if words := unknown_parameter(name, known, own.model, role="to identify"):
+            return words
+    return ""
 
 
-def _check_name(name: str, known: Mapping[str, Any], model: str) -> None:
-    if name not in known:
-        guess = nearest_name(name, known)
-        hint = f"; did you mean '{guess}'?" if guess else ""
-        raise InputError(f"'{name}' is no parameter of '{model}' to identify{hint}")
-
-
-def _numbers(name: str, unit: str, item: Mapping[str, Any], value: float) -> dict[str, float]:
-    """Return the numbers of one parameter in SI."""
-    missing = [key for key in ("from", "to") if key not in item]
-    if missing:
-        raise InputError(f"parameters.{name}.{missing[0]}: missing; give both bounds")
-    found = {"start": value, "prior": np.nan, "deviation": np.nan}
-    for key, text in item.items():
-        try:
-            found[key] = float(to_si(text, unit))
-        except InputError as error:
-            raise InputError(f"parameters.{name}.{key}: {error}") from None
-    if not found["from"] < found["to"]:
-        raise InputError(f"parameters.{name}: from must be below to")
-    if "start" in item and not found["from"] <= found["start"] <= found["to"]:
-        raise InputError(f"parameters.{name}: its start lies outside its bounds")
+def _numbers(
+    mistakes: Mistakes, place: Place, item: Any, about: Quantity, value: float
+) -> list[float]:
+    """Return the numbers of one parameter in SI, in the order of :data:`KEYS`; none if wrong."""
+    if not isinstance(item, Mapping):
+        mistakes.wrong(place, f"expected a mapping with {', '.join(KEYS)}")
+        return []
+    if missing := [key for key in ("from", "to") if key not in item]:
+        mistakes.wrong((*place, missing[0]), "missing; give both bounds")
+        return []
+    found = {"from": value, "to": value, "start": value, "prior": np.nan, "deviation": np.nan}
+    count = len(mistakes.problems)
+    for key in KEYS:
+        if key in item:
+            found[key] = mistakes.number((*place, key), item[key], about.unit)
+    mistakes.check_keys(place, item, KEYS)
+    if found["from"] >= found["to"]:
+        mistakes.wrong(place, "from must be below to")
+    elif "start" in item and not found["from"] <= found["start"] <= found["to"]:
+        mistakes.wrong((*place, "start"), "its start lies outside its bounds")
     if ("prior" in item) != ("deviation" in item):
-        raise InputError(f"parameters.{name}: a prior has both prior and deviation")
-    if "deviation" in item and not found["deviation"] > 0.0:
-        raise InputError(f"parameters.{name}: the deviation of a prior must be above zero")
+        mistakes.wrong(place, "a prior has both prior and deviation")
+    if found["deviation"] <= 0.0:
+        mistakes.wrong((*place, "deviation"), "the deviation of a prior must be above zero")
+    if len(mistakes.problems) > count:
+        return []
     found["start"] = float(np.clip(found["start"], found["from"], found["to"]))
-    return found
+    return list(found.values())

@@ -11,15 +11,20 @@ from numpy.typing import NDArray
 
 from vehicledyn.analyse.identify import Estimate, estimate
 from vehicledyn.analyses.preparation.prepared import Progress
-from vehicledyn.analyses.simulation.prepared_run import prepare_run
-from vehicledyn.base.errors import InputError, nearest_name
 from vehicledyn.base.step_memory import Memory, Shelf
 from vehicledyn.base.units import shown
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.results.tables.identification_table import IdentificationTable
-from vehicledyn.studies.identification.experiments import Experiment, Fitting, Measured
+from vehicledyn.studies.identification.experiments import (
+    Experiment,
+    Fitting,
+    Measured,
+    check_measured,
+)
 from vehicledyn.studies.identification.identified import Unknowns
+from vehicledyn.studies.known_names import KnownNames
+from vehicledyn.studies.mistakes import Mistakes
 
 Floats = NDArray[np.float64]
 
@@ -116,6 +121,7 @@ def identify_from(
     held_out: Sequence[str] = (),
     runs: Memory | None = None,
     remarks: Sequence[str] = (),
+    unknowns: Unknowns | None = None,
 ) -> IdentificationReport:
     """Return the parameters with which scenarios come closest to measurements of all experiments.
 
@@ -136,6 +142,8 @@ def identify_from(
         Runs that are known, to which further ones are added.
     remarks
         Notes on the measurements that the report repeats.
+    unknowns
+        The parameters as they were read, where all of it was checked.
 
     Raises
     ------
@@ -144,15 +152,14 @@ def identify_from(
     NumericalError
         If a run fails.
     """
-    fitted = [item for item in experiments if item.name not in held_out]
-    if not fitted:
-        raise InputError("all experiments are held out; leave one or more to fit")
-    known = runs or Memory(Shelf())
-    fittings = [Fitting.of(item, known, progress) for item in experiments]
-    chosen = [item for item in fittings if item.experiment in fitted]
-    unknowns = Unknowns.of(parameters, [item.study for item in fittings])
-    if sum(item.n_samples for item in chosen) <= len(unknowns.names):
-        raise InputError(f"{len(unknowns.names)} parameters need more samples than that")
+    if unknowns is None:
+        mistakes = Mistakes()
+        known = [(item.loaded, KnownNames.of(item.loaded, progress)) for item in experiments]
+        unknowns = checked_unknowns(mistakes, experiments, parameters, held_out, known)
+        mistakes.refuse()
+    runs = runs or Memory(Shelf())
+    fittings = [Fitting.of(item, runs, progress) for item in experiments]
+    chosen = [item for item in fittings if item.experiment.name not in held_out]
 
     def residuals(point: Floats) -> tuple[Floats, Floats]:
         parts = [item.residuals(unknowns, point) for item in chosen]
@@ -160,14 +167,39 @@ def identify_from(
         return np.concatenate([part[0] for part in parts]), np.vstack([part[1] for part in parts])
 
     found = estimate(residuals, start=unknowns.start, bounds=(unknowns.low, unknowns.high))
-    others = [item for item in fittings if item.experiment not in fitted]
+    others = [item for item in fittings if item.experiment.name in held_out]
     foretold = [
         (item.experiment.name, _root_mean_square(item.residuals(unknowns, found.values)[0]))
         for item in others
     ]
-    notes = [*remarks, *_notes(unknowns, found, chosen, known)]
+    notes = [*remarks, *_notes(unknowns, found, chosen, runs)]
     table = _table(title, unknowns, found, chosen, notes)
     return IdentificationReport(title, unknowns.names, unknowns.units, found, table, foretold)
+
+
+def checked_unknowns(
+    mistakes: Mistakes,
+    experiments: Sequence[Experiment],
+    parameters: Mapping[str, Any],
+    held_out: Sequence[str],
+    known: Sequence[tuple[LoadedScenario, KnownNames]],
+) -> Unknowns:
+    """Return what is sought; what is wrong with it and with the measurements is noted.
+
+    ``known`` are the scenarios and what their names mean, the other arguments those of
+    :func:`identify_from`.
+    """
+    for item in experiments:
+        check_measured(mistakes, item)
+    unknowns = Unknowns.of(mistakes, parameters, known)
+    fitted = [item for item in experiments if item.name not in held_out]
+    count = sum(len(signal.times) for item in fitted for signal in item.measured)
+    if experiments and not fitted:
+        mistakes.wrong(("hold_out",), "all experiments are held out; leave one or more to fit")
+    elif not mistakes.problems and count <= len(parameters):
+        words = f"{len(parameters)} parameters need more samples than that; there are {count}"
+        mistakes.wrong(("parameters",), words, at_key=True)
+    return unknowns
 
 
 def _root_mean_square(values: Floats) -> float:
@@ -242,20 +274,3 @@ def _notes(
     if known.n_known:
         notes.append(f"{known.n_known} runs were known from before")
     return list(dict.fromkeys(notes))
-
-
-def channel_unit(loaded: LoadedScenario, channel: str) -> str:
-    """Return the unit of a channel.
-
-    Raises
-    ------
-    InputError
-        If there is none of this name.
-    """
-    prepared, _ = prepare_run(loaded, backend="auto", progress=lambda *_: None)
-    units = {item.name: item.unit for item in prepared.equations.channels}
-    if channel not in units:
-        guess = nearest_name(channel, units)
-        hint = f"; did you mean '{guess}'?" if guess else ""
-        raise InputError(f"'{channel}' is no channel of '{prepared.equations.name}'{hint}")
-    return units[channel]

@@ -58,7 +58,8 @@ def read_signals(path: Path, time: str, signals: Sequence[Signal]) -> list[tuple
     table = read_columns(path, known, is_open=True)
     for signal in signals:
         if signal.given_unit is not None:
-            raise InputError(f"{path}: the head of a CSV file states units; leave 'unit' out")
+            words = "the head of a CSV file states units; leave 'unit' out"
+            raise InputError(f"{path}: {words}", about=(signal.column,))
         if signal.column not in table.numbers:
             _require(path, signal.column, table.others)
     times = np.array(table.numbers[time])
@@ -72,7 +73,10 @@ def _of_result(path: Path, signals: Sequence[Signal]) -> list[tuple[Floats, Floa
     found = []
     for signal in signals:
         _require(path, signal.column, list(data))
-        values = np.asarray(data[signal.column].to(signal.unit), dtype=float)
+        try:
+            values = np.asarray(data[signal.column].to(signal.unit), dtype=float)
+        except InputError as error:
+            raise InputError(f"{path}: {signal.column}: {error}", about=(signal.column,)) from None
         found.append((np.asarray(data.time, dtype=float), values))
     return found
 
@@ -88,14 +92,17 @@ def _of_matlab(path: Path, time: str, signals: Sequence[Signal]) -> list[tuple[F
     times, found = _numbers(path, time, arrays), []
     for signal in signals:
         if signal.given_unit is None:
-            raise InputError(f"{path}: states no units; give signals.{signal.channel}.unit")
-        unit = parse_unit(str(signal.given_unit))
+            words = "states no units; give 'unit' of the signal"
+            raise InputError(f"{path}: {words}", about=(signal.column,))
+        try:
+            unit = parse_unit(str(signal.given_unit))
+        except InputError as error:
+            raise InputError(f"unit: {error}", about=(signal.column,)) from None
         if unit.dimension != parse_unit(signal.unit).dimension:
-            raise InputError(
-                f"signals.{signal.channel}.unit: '{signal.given_unit}' does not measure a quantity "
-                f"in {signal.unit}"
-            )
-        found.append((times, unit.factor * _numbers(path, signal.column, arrays)))
+            words = f"'{signal.given_unit}' does not measure a quantity in {signal.unit}"
+            raise InputError(f"unit: {words}", about=(signal.column,))
+        values = unit.factor * _numbers(path, signal.column, arrays)
+        found.append((times, values))
     return found
 
 
@@ -104,9 +111,9 @@ def _numbers(path: Path, name: str, arrays: Mapping[str, Any]) -> Floats:
     try:
         values = np.asarray(arrays[name], dtype=float)
     except (TypeError, ValueError):
-        raise InputError(f"{path}: '{name}' holds no real numbers") from None
+        raise InputError(f"{path}: '{name}' holds no real numbers", about=(name,)) from None
     if values.ndim != 1:
-        raise InputError(f"{path}: '{name}' is no row or column of numbers")
+        raise InputError(f"{path}: '{name}' is no row or column of numbers", about=(name,))
     return values
 
 
@@ -115,4 +122,4 @@ def _require(path: Path, name: str, known: Iterable[str]) -> None:
     if name not in names:
         guess = nearest_name(name, names)
         hint = f"; did you mean '{guess}'?" if guess else ""
-        raise InputError(f"{path}: has no column '{name}'{hint}")
+        raise InputError(f"{path}: has no column '{name}'{hint}", about=(name,))

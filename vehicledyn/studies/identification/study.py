@@ -8,23 +8,28 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.analyses.preparation.target_digest import digests_to_keep
-from vehicledyn.base.errors import InputError, nearest_name
+from vehicledyn.base.errors import InputError, errors_of, nearest_name
 from vehicledyn.base.files.limits import UnreadableFileError, check_regular
-from vehicledyn.base.units import to_si
+from vehicledyn.base.problems import Place
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.results.hdf5.kept_work import KeptWork
 from vehicledyn.studies.identification.experiments import Experiment, Measured
-from vehicledyn.studies.identification.identified import KEYS
+from vehicledyn.studies.identification.identified import Unknowns
 from vehicledyn.studies.identification.identify import (
     IdentificationReport,
-    channel_unit,
+    checked_unknowns,
     identify_from,
 )
 from vehicledyn.studies.identification.measured_data import Signal, read_signals
+from vehicledyn.studies.known_names import KnownNames
+from vehicledyn.studies.mistakes import silent
 from vehicledyn.studies.study_form import StudyForm
+
+Floats = NDArray[np.float64]
 
 _REQUIRED = ("experiments", "parameters")
 _OPTIONAL = ("title", "hold_out")
@@ -39,6 +44,7 @@ class IdentificationStudy:
     title: str
     experiments: list[Experiment]
     parameters: dict[str, Any]
+    unknowns: Unknowns
     held_out: list[str]
     notes: list[str]
     texts: list[str]
@@ -75,10 +81,10 @@ def run_identification_study(
     NumericalError
         If a run fails at the start.
     """
-    study = load_identification(path, overrides)
+    study = load_identification(path, overrides, progress)
     scenarios = digests_to_keep(kept, [item.loaded for item in study.experiments])
     runs = kept.memory("identify", study.texts, scenarios, asked_again=True)
-    try:
+    with errors_of(path):
         return identify_from(
             study.title,
             study.experiments,
@@ -87,37 +93,51 @@ def run_identification_study(
             held_out=study.held_out,
             runs=runs,
             remarks=study.notes,
+            unknowns=study.unknowns,
         )
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from None
 
 
-def load_identification(path: Path, overrides: Sequence[str] = ()) -> IdentificationStudy:
-    """Read and check a study file, its scenarios and its data.
+def load_identification(
+    path: Path, overrides: Sequence[str] = (), progress: Progress = silent
+) -> IdentificationStudy:
+    """Read a study file and its data, and check it against its scenarios.
 
     Raises
     ------
     InputError
-        If anything in the study or its data is wrong; all problems of its form are listed.
+        If anything in the study or its data is wrong; all problems are listed.
     """
     form = StudyForm.read(path, required=_REQUIRED, optional=_OPTIONAL)
     given = dict(form.entries(("experiments",), _EXPERIMENT, ("scenario", "data", "signals")))
-    for name in given:
-        for _ in form.entries(("experiments", name, "signals"), _SIGNAL, ("noise",)):
-            pass
-    parameters = dict(form.entries(("parameters",), KEYS, ("from", "to")))
+    parameters = dict(form.entries(("parameters",), needed=("from", "to")))
     held_out = _held_out(form, given)
-    form.refuse()
-    experiments, texts, notes = [], [form.document.text], []
+    experiments, texts, notes = [], [form.document.text], list[str]()
+    known = []
     for name, item in given.items():
-        place = ("experiments", name, "scenario")
-        loaded = form.scenario(place, item["scenario"], item.get("set"), overrides)
-        measured, lost = _measured(path, name, item, loaded)
-        experiments.append(Experiment(name, loaded, measured))
-        texts += [loaded.text, repr(loaded.overrides), repr([m.values.tobytes() for m in measured])]
-        notes += lost
+        where: Place = ("experiments", name)
+        loaded = form.scenario(
+            (*where, "scenario"),
+            item["scenario"],
+            item.get("set"),
+            overrides,
+            groups=[(*where, "set")],
+        )
+        if loaded is None:
+            continue
+        with form.mistakes.at(*where, "scenario"):
+            known.append((loaded, KnownNames.of(loaded, progress)))
+            measured, lost = _measured(form, name, item, known[-1][1])
+            experiments.append(Experiment(name, loaded, measured))
+            texts += [loaded.text, repr(loaded.overrides)]
+            texts.append(repr([m.values.tobytes() for m in measured]))
+            notes += lost
+    unknowns = None
+    if known:
+        unknowns = checked_unknowns(form.mistakes, experiments, parameters, held_out, known)
+    form.refuse()
+    assert unknowns is not None  # without any experiment the study was refused
     title = str(form.data.get("title", path.stem))
-    return IdentificationStudy(title, experiments, parameters, held_out, notes, texts)
+    return IdentificationStudy(title, experiments, parameters, unknowns, held_out, notes, texts)
 
 
 def _held_out(form: StudyForm, known: dict[str, Any]) -> list[str]:
@@ -134,34 +154,58 @@ def _held_out(form: StudyForm, known: dict[str, Any]) -> list[str]:
 
 
 def _measured(
-    path: Path, name: str, item: dict[str, Any], loaded: LoadedScenario
+    form: StudyForm, name: str, item: dict[str, Any], known: KnownNames
 ) -> tuple[tuple[Measured, ...], list[str]]:
-    """Return the measured channels of an experiment, and remarks on their gaps."""
-    where = f"{path}: experiments.{name}"
+    """Return the measured channels of an experiment, and remarks on their gaps.
+
+    What is wrong with them is noted.
+    """
+    where: Place = ("experiments", name)
     signals = []
-    for channel, entry in item["signals"].items():
-        try:
-            unit = channel_unit(loaded, channel)
-            noise = float(to_si(entry["noise"], unit))
-            lag = float(to_si(entry.get("lag", "0 s"), "s"))
-        except InputError as error:
-            raise InputError(f"{where}.signals.{channel}: {error}") from None
-        column = str(entry.get("column", channel))
-        signals.append(Signal(channel, column, unit, entry.get("unit"), noise, lag))
-    data = path.parent / str(item["data"])
+    for channel, entry in form.entries((*where, "signals"), _SIGNAL, ("noise",)):
+        place: Place = (*where, "signals", channel)
+        count = len(form.mistakes.problems)
+        with form.mistakes.at(*place):
+            unit = known.channel_unit(channel)
+            noise = form.mistakes.number((*place, "noise"), entry["noise"], unit)
+            lag = form.mistakes.number((*place, "lag"), entry.get("lag", "0 s"), "s")
+            column = str(entry.get("column", channel))
+            if count == len(form.mistakes.problems):
+                given_unit = entry.get("unit")
+                signals.append(Signal(channel, column, unit, given_unit, noise, lag))
+    data = form.path.parent / str(item["data"])
     try:
         check_regular(data)
     except UnreadableFileError as error:
-        raise InputError(
-            f"{where}.data: '{item['data']}' beside the study: {error.words}"
-        ) from None
-    found, notes = [], []
-    for signal, (times, values) in zip(
-        signals, read_signals(data, str(item.get("time", "time")), signals), strict=True
-    ):
+        form.wrong((*where, "data"), f"'{item['data']}' beside the study: {error.words}")
+        return (), []
+    time = str(item.get("time", "time"))
+    measured, notes = [], []
+    for signal, columns in _read(form, where, data, time, signals):
+        times, values = columns
         kept = ~np.isnan(values)
         if not kept.all():
             notes.append(f"{data.name}: {signal.column}: {int((~kept).sum())} gaps are left out")
-        channel = signal.channel
-        found.append(Measured(channel, times[kept], values[kept], signal.noise, signal.lag))
-    return tuple(found), notes
+        measured.append(
+            Measured(signal.channel, times[kept], values[kept], signal.noise, signal.lag)
+        )
+    return tuple(measured), notes
+
+
+def _read(
+    form: StudyForm, where: Place, data: Path, time: str, signals: Sequence[Signal]
+) -> list[tuple[Signal, tuple[Floats, Floats]]]:
+    """Return signals with their times and values; nothing, and problems, where one is wrong."""
+    try:
+        return list(zip(signals, read_signals(data, time, signals), strict=True))
+    except InputError:
+        pass
+    for signal in signals:
+        try:
+            read_signals(data, time, [signal])
+        except InputError as error:
+            is_own = signal.column in error.about
+            place = (*where, "signals", signal.channel) if is_own else (*where, "data")
+            with form.mistakes.at(*place):
+                raise
+    return []

@@ -147,7 +147,7 @@ def _target(form: StudyForm, overrides: Sequence[str]) -> Target:
         form.refuse()
     texts = [*override_texts(changes or {}, {}), *overrides]
     if key == "scenario":
-        return form.scenario((key,), given, changes, overrides)
+        return form.only_scenario((key,), given, changes, overrides)
     for place in (folder / given, folder / f"{given}.yaml"):
         if is_there(place):
             return load_model(str(place), texts)

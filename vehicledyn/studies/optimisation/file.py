@@ -5,17 +5,17 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from vehicledyn.analyse.optimise import METHODS
 from vehicledyn.analyses.preparation.prepared import Progress
-from vehicledyn.analyses.sensitivity.figure_names import check_figures
-from vehicledyn.analyses.sensitivity.known_analyses import RUN, analysis_of
-from vehicledyn.base.errors import InputError, NumericalError, nearest_name
+from vehicledyn.base.errors import nearest_name
+from vehicledyn.base.problems import Place
 from vehicledyn.files.scenario import LoadedScenario
+from vehicledyn.studies.mistakes import silent
+from vehicledyn.studies.optimisation.checks import note_mistakes
 from vehicledyn.studies.study_form import StudyForm
 
 _REQUIRED = ("scenarios", "variables")
@@ -31,12 +31,20 @@ _LIMITS, _TARGET = ("at_least", "at_most"), ("target", "size")
 
 @dataclass(frozen=True)
 class Variable:
-    """A parameter to vary, with texts or numbers for its bounds and start; None for its value."""
+    """A parameter to vary, with texts or numbers for its bounds and start; None for its value.
 
-    name: str
+    ``key`` is its name as the study writes it.
+    """
+
+    key: str
     low: Any
     high: Any
     start: Any = None
+
+    @property
+    def name(self) -> str:
+        """Name of the parameter."""
+        return self.key.removeprefix("parameters.")
 
 
 @dataclass(frozen=True)
@@ -72,7 +80,7 @@ class Front:
 
 @dataclass(frozen=True)
 class OptimisationStudy:
-    """What is to be optimised.
+    """What is to be optimised; ``form`` is the file it was read from.
 
     ``scenarios`` by name; figures are ``SCENARIO/FIGURE``, or the figure alone where there is one
     scenario. ``weights`` are those of the sum to minimise, or ``targets`` what figures should be.
@@ -82,8 +90,7 @@ class OptimisationStudy:
     are the scenarios of all combinations of discrete settings, with what to call them.
     """
 
-    path: Path
-    text: str
+    form: StudyForm
     title: str
     scenarios: dict[str, LoadedScenario]
     variables: tuple[Variable, ...]
@@ -115,45 +122,42 @@ class OptimisationStudy:
         others += [] if self.front is None else [self.front.figure]
         return list(dict.fromkeys([*self.weights, *others]))
 
-    def figures_by_scenario(self) -> dict[str, list[str]]:
-        """Return the names of the figures that the study needs of each scenario.
+    def places_of_figures(self) -> dict[str, Place]:
+        """Return where the study names each figure that it needs."""
+        minimise = self.form.data.get("minimise")
+        is_text = isinstance(minimise, str)
+        found: dict[str, Place] = {
+            name: ("minimise",) if is_text else ("minimise", name) for name in self.weights
+        }
+        found |= {item.figure: ("least_squares", item.figure) for item in self.targets}
+        others = {item.figure: ("constraints", item.figure) for item in self.limits}
+        others |= {} if self.front is None else {self.front.figure: ("front", "figure")}
+        found = others | found
+        return {name: found[name] for name in self.all_figures}
 
-        Raises
-        ------
-        InputError
-            If a figure names no scenario.
+    def figures_by_scenario(self) -> dict[str, dict[str, str]]:
+        """Return the figures that the study needs of each scenario: its names of them by theirs.
+
+        What names no scenario is noted as wrong.
         """
-        found: dict[str, list[str]] = {name: [] for name in self.scenarios}
-        for figure in self.all_figures:
+        found: dict[str, dict[str, str]] = {name: {} for name in self.scenarios}
+        for figure, place in self.places_of_figures().items():
             head, call, rest = figure.partition("(")
             scenario, _, name = head.rpartition("/")
-            if scenario not in found:
+            if scenario in found:
+                found[scenario][f"{name}{call}{rest}"] = figure
+            else:
                 guess = nearest_name(scenario, found)
-                hint = f"; did you mean '{guess}'?" if guess else ""
-                raise InputError(f"{self.path}: '{figure}' names no scenario{hint}")
-            found[scenario].append(f"{name}{call}{rest}")
+                hint = f"did you mean '{guess}'?" if guess else f"known: {', '.join(found)}"
+                words = f"'{figure}' names no scenario; {hint}"
+                self.form.wrong(place, words, at_key=place[-1] == figure)
         return found
 
-    def check_figures(self, progress: Progress) -> None:
-        """Refuse figures of runs that no run has; a run that fails is left to the study to report.
 
-        Raises
-        ------
-        InputError
-            If there is such a name.
-        """
-        for scenario, names in self.figures_by_scenario().items():
-            try:
-                own = [name for name in names if analysis_of(name) == RUN]
-                if own:
-                    with suppress(NumericalError):
-                        check_figures(self.scenarios[scenario], own, progress)
-            except InputError as error:
-                raise InputError(f"{self.path}: {error}") from None
-
-
-def load_optimisation(path: Path, overrides: Sequence[str] = ()) -> OptimisationStudy:
-    """Read and validate a study.
+def load_optimisation(
+    path: Path, overrides: Sequence[str] = (), progress: Progress = silent
+) -> OptimisationStudy:
+    """Read a study and check it against its scenarios.
 
     Parameters
     ----------
@@ -161,15 +165,17 @@ def load_optimisation(path: Path, overrides: Sequence[str] = ()) -> Optimisation
         YAML file.
     overrides
         Changes ``key=value`` of all scenarios.
+    progress
+        Called with what is going on.
 
     Raises
     ------
     InputError
-        If anything is wrong; all problems of the file are listed, those of a scenario alone.
+        If anything is wrong; all problems of the file and of its scenarios are listed.
     """
     form = StudyForm.read(path, required=_REQUIRED, optional=_OPTIONAL)
     variables = tuple(
-        Variable(name.removeprefix("parameters."), v["from"], v["to"], v.get("start"))
+        Variable(name, v["from"], v["to"], v.get("start"))
         for name, v in form.entries(("variables",), _VARIABLE, needed=("from", "to"))
     )
     weights, front = _weights(form), _front(form)
@@ -184,40 +190,19 @@ def load_optimisation(path: Path, overrides: Sequence[str] = ()) -> Optimisation
         Target(name, item["target"], item["size"])
         for name, item in form.entries(("least_squares",), _TARGET, needed=_TARGET)
     )
-    if bool(weights) == bool(targets) and not form.problems:
+    if bool(weights) == bool(targets) and not form.mistakes.problems:
         form.wrong(("minimise",), "give either minimise or least_squares")
     optimiser = form.choice("optimiser", "slsqp", METHODS)
     explore = int(form.number("explore", 0, least=0, whole=True))
     deviations = form.number("deviations", 3.0, least=0.0)
     scatter = dict(form.entries(("scatter",)))
-    for name, item in scatter.items():
-        if not isinstance(item, dict):
-            form.wrong(("scatter", name), "expected a distribution, a mapping with kind")
     combinations = _combinations(form)
-    given = form.data.get("scenarios")
-    if not isinstance(given, str | dict):
-        form.wrong(("scenarios",), "expected a path, or paths by name")
-    form.refuse()
-    places = {"": given} if isinstance(given, str) else dict(given or {})
-
-    def scenarios(choice: dict[str, Any]) -> dict[str, LoadedScenario]:
-        changes = form.data.get("set")
-        if choice and (changes is None or isinstance(changes, dict)):
-            changes = {**(changes or {}), **choice}
-        return {
-            str(name): form.scenario(("scenarios", name), place, changes, overrides)
-            for name, place in places.items()
-        }
-
-    choices = tuple(
-        (", ".join(f"{key} = {value!s:.60}" for key, value in item.items()), scenarios(item))
-        for item in combinations
-    )
-    return OptimisationStudy(
-        path,
-        form.document.text,
+    groups, is_whole = _scenarios(form, combinations or [{}], overrides)
+    names = (", ".join(f"{key} = {v!s:.60}" for key, v in item.items()) for item in combinations)
+    study = OptimisationStudy(
+        form,
         str(form.data.get("title", path.stem)),
-        choices[0][1] if choices else scenarios({}),
+        groups[0],
         variables,
         weights,
         limits,
@@ -231,8 +216,42 @@ def load_optimisation(path: Path, overrides: Sequence[str] = ()) -> Optimisation
         explore,
         scatter,
         deviations,
-        choices,
+        tuple(zip(names, groups, strict=is_whole)) if combinations else (),
     )
+    if is_whole:
+        note_mistakes(study, progress)
+    form.refuse()
+    return study
+
+
+def _scenarios(
+    form: StudyForm, combinations: list[dict[str, Any]], overrides: Sequence[str]
+) -> tuple[list[dict[str, LoadedScenario]], bool]:
+    """Return the scenarios by name with each combination of settings, and whether all are there."""
+    given = form.data.get("scenarios")
+    changes = form.data.get("set") or {}
+    if not isinstance(changes, dict):
+        form.wrong(("set",), "expected a mapping of changes")
+        changes = {}
+    places: dict[str, tuple[Place, Any]] = {}
+    if isinstance(given, str):
+        places = {"": (("scenarios",), given)}
+    elif isinstance(given, dict):
+        places = {str(name): (("scenarios", name), item) for name, item in given.items()}
+    elif "scenarios" in form.data:
+        form.wrong(("scenarios",), "expected a path, or paths by name")
+    groups = []
+    for choice in combinations:
+        found = {
+            name: form.scenario(
+                *item, {**changes, **choice}, overrides, groups=(("choices",), ("set",))
+            )
+            for name, item in places.items()
+        }
+        groups.append({name: item for name, item in found.items() if item is not None})
+        if not found or len(groups[-1]) < len(found):
+            return groups, False
+    return groups, True
 
 
 def _combinations(form: StudyForm) -> list[dict[str, Any]]:

@@ -14,12 +14,18 @@ from numpy.typing import NDArray
 
 from vehicledyn.analyse.optimise import Values
 from vehicledyn.analyses.preparation.prepared import Progress
-from vehicledyn.base.errors import InputError, NumericalError, nearest_name
+from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.base.step_memory import Memory
 from vehicledyn.base.units import to_si
-from vehicledyn.studies.optimisation.file import Limit, OptimisationStudy, Variable
+from vehicledyn.studies.mistakes import silent
+from vehicledyn.studies.optimisation.checks import (
+    check_limits,
+    check_numbers,
+    note_mistakes,
+    read_bounds,
+)
+from vehicledyn.studies.optimisation.file import Limit, OptimisationStudy
 from vehicledyn.studies.optimisation.scatter import Scatter, combined
-from vehicledyn.studies.refused_values import refuse_ends
 from vehicledyn.studies.scenario_figures import ScenarioFigures, figures_of
 
 Floats = NDArray[np.float64]
@@ -42,7 +48,7 @@ class _Part:
     ) -> dict[str, Any]:
         """Return figures and gradients by variables, zero if not wanted, or why there are none."""
         try:
-            found, failure = self.of.at(changes, variables, follows=follows, progress=_silent)
+            found, failure = self.of.at(changes, variables, follows=follows, progress=silent)
         except NumericalError as error:
             failure = str(error)
         if failure:
@@ -102,63 +108,24 @@ class Problem:
     def __init__(
         self, study: OptimisationStudy, kept: Memory, progress: Progress, choice: str = ""
     ) -> None:
+        if choice:
+            note_mistakes(study, progress)
+            study.form.refuse()
         self._study, self._kept = study, kept
         self._mark = [choice] if choice else []
         self._parts = _parts(study, progress)
         self.figures = [name for part in self._parts for name in part.names]
         for part in self._parts:
-            own = part.of
-            for name in (*(v.name for v in study.variables), *study.scatter):
-                _check_variable(name.removeprefix("parameters."), list(own.parameters), own.model)
-        first = self._parts[0].of.parameters
-        units = {name: quantity.unit for name, (quantity, _) in first.items()}
-        try:
-            self._scatter = Scatter.of(study.scatter, units, self._parts[0].of.model)
-        except InputError as error:
-            raise InputError(f"{study.path}: {error}") from None
-        self.variables = tuple(first[v.name][0] for v in study.variables)
-        values = [first[v.name][1] for v in study.variables]
-        self.low, self.high, self.start = np.array(
-            [
-                self._bounds(item, about.unit, float(value))
-                for item, about, value in zip(study.variables, self.variables, values, strict=True)
-            ]
-        ).T
-        self._check_bounds()
-        rows = zip(self.variables, self.low, self.high, values, strict=True)
-        bounds = {about.name: (float(a), float(b), float(v)) for about, a, b, v in rows}
-        refuse_ends(
-            study.scenarios.values(),
-            {name: (low, high) for name, (low, high, _) in bounds.items()},
-            {name: value for name, (_, _, value) in bounds.items()},
-            {item.name: item for item in self.variables},
-            place=f"{study.path}: variables.",
-        )
+            check_numbers(study, part.of.parameters, part.of.model)
+        study.form.refuse()
+        own = self._parts[0].of
+        units = {name: quantity.unit for name, (quantity, _) in own.parameters.items()}
+        self._scatter = Scatter.of(study.form.mistakes, study.scatter, units, own.model)
+        self.variables = tuple(own.parameters[v.name][0] for v in study.variables)
+        rows = read_bounds(study, own.parameters)
+        self.low, self.high, self.start = np.array([rows[v.name] for v in study.variables]).T
         self.units: dict[str, str] = {}
         self.n_known = kept.n_known
-
-    def _bounds(self, item: Variable, unit: str, default: float) -> list[float]:
-        """Return lower and upper bound and start of a variable, in SI."""
-        given = {"from": item.low, "to": item.high, "start": item.start}
-        where = f"variables.{item.name}"
-        return [
-            default if value is None else _si(value, unit, self._study, f"{where}.{key}")
-            for key, value in given.items()
-        ]
-
-    def _check_bounds(self) -> None:
-        for item, low, high, start in zip(
-            self.variables, self.low, self.high, self.start, strict=True
-        ):
-            if not low < high:
-                raise InputError(
-                    f"{self._study.path}: variables.{item.name}: from must be below to"
-                )
-            if not low <= start <= high:
-                raise InputError(
-                    f"{self._study.path}: variables.{item.name}: its start {start:g} {item.unit} "
-                    "lies outside its bounds; give start or other bounds"
-                )
 
     def evaluate(self, point: Floats) -> Figures:
         """Return all figures and their gradients at a point.
@@ -175,7 +142,10 @@ class Problem:
         kind = [] if follows else ["plain"]
         key = [*self._mark, *kind, *point.tolist()]
         entry = self._kept.recall("run", key, lambda: self._new(point, follows=follows))
-        self.units |= entry.get("units", {})
+        if not self.units:
+            self.units |= entry.get("units", {})
+            check_limits(self._study, self.units)
+            self._study.form.refuse()
         if "failure" in entry:
             raise NumericalError(str(entry["failure"]))
         return Figures.of(entry)
@@ -231,14 +201,7 @@ class Problem:
         values, rows = [], []
         for item in self._study.targets:
             unit = self.units.get(item.figure, "1")
-            target, size = (
-                _si(v, unit, self._study, f"least_squares.{item.figure}.{key}")
-                for v, key in ((item.value, "target"), (item.size, "size"))
-            )
-            if not size > 0.0:
-                raise InputError(
-                    f"{self._study.path}: least_squares.{item.figure}.size: must be above zero"
-                )
+            target, size = to_si(item.value, unit), to_si(item.size, unit)
             values.append((at.values[item.figure] - target) / size)
             rows.append(at.slopes[item.figure] / size)
             if item.figure in at.deviations:
@@ -248,22 +211,12 @@ class Problem:
 
     def limits(self, further: Sequence[Limit] = ()) -> list[tuple[str, float, float]]:
         """Return the figure, sign and value of each limit: sign (figure - value) >= 0."""
-        found = []
-        for limit in (*self._study.limits, *further):
-            unit = self.units.get(limit.figure, "1")
-            field = f"constraints.{limit.figure}"
-            sides = [
-                (limit.figure, sign, _si(value, unit, self._study, f"{field}.{key}"))
-                for value, sign, key in (
-                    (limit.at_least, 1.0, "at_least"),
-                    (limit.at_most, -1.0, "at_most"),
-                )
-                if value is not None
-            ]
-            if len(sides) > 1 and sides[0][2] > sides[1][2]:
-                raise InputError(f"{self._study.path}: {field}: at_least is above at_most")
-            found += sides
-        return found
+        return [
+            (limit.figure, sign, to_si(value, self.units.get(limit.figure, "1")))
+            for limit in (*self._study.limits, *further)
+            for value, sign in ((limit.at_least, 1.0), (limit.at_most, -1.0))
+            if value is not None
+        ]
 
     def idle(self) -> list[str]:
         """Return the variables that change no figure at the start."""
@@ -327,27 +280,7 @@ def _parts(study: OptimisationStudy, progress: Progress) -> list[_Part]:
         loaded, head = study.scenarios[scenario], f"{scenario}/" if scenario else ""
         progress(f"preparing {loaded.title}", None)
         try:
-            parts += [_Part(own, head) for own in figures_of(loaded, names, progress)]
+            parts += [_Part(own, head) for own in figures_of(loaded, list(names), progress)]
         except InputError as error:
-            raise InputError(f"{study.path}: {error}") from None
+            raise InputError(f"{study.form.path}: {error}") from None
     return parts
-
-
-def _silent(text: str, fraction: float | None = None) -> None:
-    """Report nothing."""
-
-
-def _check_variable(name: str, known: Sequence[str], model: str) -> None:
-    if name == "speed":
-        raise InputError("'speed' is the scenario's; it cannot be a variable")
-    if name not in known:
-        guess = nearest_name(name, known)
-        hint = f"; did you mean '{guess}'?" if guess else ""
-        raise InputError(f"'{name}' is no parameter of '{model}'{hint}")
-
-
-def _si(value: Any, unit: str, study: OptimisationStudy, field: str) -> float:
-    try:
-        return float(to_si(value, unit))
-    except InputError as error:
-        raise InputError(f"{study.path}: {field}: {error}") from None

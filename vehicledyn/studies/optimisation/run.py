@@ -56,7 +56,7 @@ def run_optimisation(
     variants = study.choices or (("", study.scenarios),)
     loaded = [scenario for _, group in variants for scenario in group.values()]
     digests = digests_to_keep(kept, loaded)
-    runs = kept.memory("optimise", study.text, digests, asked_again=True)
+    runs = kept.memory("optimise", study.form.document.text, digests, asked_again=True)
     found: list[tuple[str, OptimumReport]] = []
     notes = []
     for choice, scenarios in variants:

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from vehicledyn.analyse.polynomial_chaos import gauss_rule
 from vehicledyn.analyse.uncertainty import Distribution
-from vehicledyn.base.errors import InputError, nearest_name
 from vehicledyn.studies.distributions import read_law
+from vehicledyn.studies.known_names import unknown_parameter
+from vehicledyn.studies.mistakes import Mistakes
 
 Floats = NDArray[np.float64]
 
@@ -40,24 +41,17 @@ class Scatter:
     rules: tuple[tuple[list[int], Floats], ...] = ()
 
     @staticmethod
-    def of(given: Mapping[str, Any], units: Mapping[str, str], model: str) -> Scatter:
-        """Read the distributions of a study.
-
-        Raises
-        ------
-        InputError
-            If a parameter or a distribution means nothing.
-        """
+    def of(
+        mistakes: Mistakes, given: Mapping[str, Any], units: Mapping[str, str], model: str
+    ) -> Scatter:
+        """Read the distributions of a study; what is wrong with them is noted."""
         laws = {}
         for full, item in given.items():
-            name = full.removeprefix("parameters.")
-            if name not in units or name == "speed":
-                guess = nearest_name(name, units)
-                hint = f"; did you mean '{guess}'?" if guess else ""
-                raise InputError(
-                    f"scatter: '{name}' is no parameter of '{model}' that can scatter{hint}"
-                )
-            laws[name] = read_law("scatter", name, item, units[name])
+            name, place = full.removeprefix("parameters."), ("scatter", full)
+            if words := unknown_parameter(name, units, model, role="that can scatter"):
+                mistakes.wrong(place, words, at_key=True)
+            elif law := read_law(mistakes, place, item, units[name]):
+                laws[name] = law
         means = {name: law.mean for name, law in laws.items()}
         nodes, rules = [means], list[tuple[list[int], Floats]]()
         for name, law in laws.items():

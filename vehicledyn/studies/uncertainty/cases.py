@@ -12,22 +12,17 @@ from numpy.typing import NDArray
 
 from vehicledyn.analyse.uncertainty import Distribution, Spread
 from vehicledyn.analyses.preparation.prepared import Progress
-from vehicledyn.base.errors import InputError, NumericalError, nearest_name
+from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.base.step_memory import Memory, Shelf
 from vehicledyn.base.units import to_si
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.results.store.linear_file import Quantity
-from vehicledyn.studies.distributions import read_law, wrong
-from vehicledyn.studies.refused_values import refuse_ends
+from vehicledyn.studies.mistakes import Mistakes
 from vehicledyn.studies.scenario_figures import ScenarioFigures, figures_of
+from vehicledyn.studies.uncertainty.checks import check_limits, read_laws
 from vehicledyn.studies.uncertainty.report import Risk, UncertaintyReport
 
 Floats = NDArray[np.float64]
-
-_WITHOUT_RISK = ("first_order", "second_order")
-
-_RARE = 1e-3
-"""Chance of a value below or above which a model need not take it."""
 
 _STEP = 0.1
 """Step of differences of first derivatives, in deviations of the parameter."""
@@ -49,68 +44,43 @@ class Cases:
     of_scenario: ScenarioFigures
     names: list[str]
     laws: list[Distribution]
+    mistakes: Mistakes
     progress: Progress
+    limits: Mapping[str, Mapping[str, Any]]
     runs: Memory = field(default_factory=lambda: Memory(Shelf()))
     known: list[Floats] = field(default_factory=list)
     points: list[Floats] = field(default_factory=list)
     asked_for: set[tuple[Any, ...]] = field(default_factory=set)
     lost: dict[tuple[Any, ...], str] = field(default_factory=dict)
     quantities: tuple[Quantity, ...] = ()
-    limits: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
     @staticmethod
     def of(
         loaded: LoadedScenario,
+        *,
         of: list[str],
         parameters: Mapping[str, Mapping[str, Any]],
+        limits: Mapping[str, Mapping[str, Any]],
+        mistakes: Mistakes,
         progress: Progress,
     ) -> Cases:
-        """Prepare a scenario and read the distributions."""
-        found = figures_of(loaded, of, progress)
-        if len(found) != 1:
-            raise InputError("name figures of one analysis, of the run or another one")
-        units = {name: about.unit for name, (about, _) in found[0].parameters.items()}
-        names = [name.removeprefix("parameters.") for name in parameters]
-        if not names:
-            raise InputError("parameters: name at least one with its distribution")
-        for name in names:
-            if name not in units or name == "speed":
-                guess = nearest_name(name, units)
-                hint = f"; did you mean '{guess}'?" if guess else ""
-                raise InputError(
-                    f"'{name}' is no parameter of '{found[0].model}' that can scatter{hint}"
-                )
-        pairs = zip(names, parameters.values(), strict=True)
-        laws = [read_law("parameters", name, given, units[name]) for name, given in pairs]
-        known = found[0].parameters
-        refuse_ends(
-            [loaded],
-            {
-                name: (float(law.law.ppf(_RARE)), float(law.law.ppf(1.0 - _RARE)))
-                for name, law in zip(names, laws, strict=True)
-            },
-            {name: known[name][1] for name in names},
-            {name: about for name, (about, _) in known.items()},
-            place="parameters.",
-        )
-        return Cases(found[0], names, laws, progress)
+        """Prepare a scenario, the figures of whose run were checked; read the rest.
 
-    def check_limits(self, method: str, limits: Mapping[str, Mapping[str, Any]]) -> None:
-        """Raise InputError for limits that mean nothing, before anything is computed."""
-        units = self.of_scenario.units
-        for name, given in limits.items():
-            if name not in units:
-                raise wrong(f"limits.{name}", "this is not among the figures asked for")
-            for key, value in given.items():
-                if key not in ("at_most", "at_least"):
-                    raise wrong(f"limits.{name}", f"expected at_most or at_least, found '{key}'")
-                if units[name] is not None:
-                    _limit(name, key, value, units[name])
-        if limits and method in _WITHOUT_RISK:
-            raise wrong("limits", "the risk of a limit needs samples; take another method")
-        if not any(limits.values()) and method == "reliability":
-            raise wrong("limits", "a reliability needs one")
-        self.limits = limits
+        Raises
+        ------
+        InputError
+            If anything is wrong with them.
+        """
+        found: list[ScenarioFigures] = []
+        with mistakes.at("of"):
+            found = figures_of(loaded, of, progress)
+            if len(found) != 1:
+                raise InputError("name figures of one analysis, of the run or another one")
+        mistakes.refuse()
+        laws = read_laws(mistakes, loaded, parameters, found[0].parameters, found[0].model)
+        check_limits(mistakes, limits, found[0].units)
+        mistakes.refuse()
+        return Cases(found[0], list(laws), list(laws.values()), mistakes, progress, limits)
 
     @property
     def means(self) -> Floats:
@@ -133,7 +103,7 @@ class Cases:
         for name, given in self.limits.items():
             k = places[name]
             for key, value in given.items():
-                limit = _limit(name, key, value, self.quantities[k].unit)
+                limit = to_si(value, self.quantities[k].unit)
                 yield Limited(k, limit, key == "at_most")
 
     def gradients_at(self, point: Floats) -> tuple[Floats, Floats]:
@@ -204,8 +174,8 @@ class Cases:
         for slope, item in pairs:
             if follows and slope.trouble:
                 return {"failure": f"'{item.name}' has no derivative: {slope.trouble}"}
-            for key, value in self.limits.get(item.name, {}).items():
-                _limit(item.name, key, value, item.unit)  # before anything is kept
+        check_limits(self.mistakes, self.limits, {item.name: item.unit for _, item in pairs})
+        self.mistakes.refuse()  # before anything is kept
         found: dict[str, Any] = {
             "figures": [(q.name, q.unit, q.description) for _, q in pairs],
             "values": [slope.value for slope, _ in pairs],
@@ -249,15 +219,3 @@ class Cases:
             None if figures is None else np.array(self.points),
             figures,
         )
-
-
-def _limit(name: str, key: str, value: Any, unit: str | None) -> float:
-    """Return a limit of a figure in SI."""
-    place = f"limits.{name}.{key}"
-    try:
-        limit = to_si(value, unit or "1")
-    except InputError as error:
-        raise wrong(place, str(error)) from None
-    if not np.isfinite(limit):
-        raise wrong(place, "expected a finite number")
-    return limit

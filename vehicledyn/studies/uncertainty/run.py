@@ -24,7 +24,9 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.base.step_memory import Memory, Shelf
 from vehicledyn.base.units import shown
 from vehicledyn.files.scenario import LoadedScenario
+from vehicledyn.studies.mistakes import Mistakes
 from vehicledyn.studies.uncertainty.cases import Cases, Limited
+from vehicledyn.studies.uncertainty.checks import check_method, note_mistakes
 from vehicledyn.studies.uncertainty.report import Risk, UncertaintyReport
 
 Floats = NDArray[np.float64]
@@ -50,6 +52,7 @@ def find_uncertainty(
     limits: Mapping[str, Mapping[str, Any]],
     progress: Progress,
     runs: Memory | None = None,
+    mistakes: Mistakes | None = None,
 ) -> UncertaintyReport:
     """Return how the figures of a scenario scatter.
 
@@ -73,6 +76,8 @@ def find_uncertainty(
         Called with what is going on.
     runs
         Runs that are known, to which further ones are added.
+    mistakes
+        Where what is wrong is noted, of a file that was checked; None for what is no file.
 
     Raises
     ------
@@ -83,11 +88,22 @@ def find_uncertainty(
     """
     if method not in METHODS:
         raise InputError(f"method '{method}' is unknown; known are {', '.join(METHODS)}")
-    if number < 2 or (method == "sobol" and number & (number - 1)):
-        raise InputError(f"number: {number}: at least 2, of Sobol indices a power of two")
-    cases = Cases.of(loaded, list(of), parameters, progress)
+    if mistakes is None:
+        mistakes = Mistakes()
+        check_method(mistakes, method, number, limits)
+        note_mistakes(
+            mistakes, loaded, of=of, parameters=parameters, limits=limits, progress=progress
+        )
+        mistakes.refuse()
+    cases = Cases.of(
+        loaded,
+        of=list(of),
+        parameters=parameters,
+        limits=limits,
+        mistakes=mistakes,
+        progress=progress,
+    )
     cases.runs = runs or Memory(Shelf())
-    cases.check_limits(method, limits)
     return METHODS[method](cases, number, seed)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,13 +11,12 @@ import numpy as np
 
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.analyses.preparation.target_digest import digests_to_keep
-from vehicledyn.analyses.sensitivity.figure_names import check_figures
-from vehicledyn.analyses.sensitivity.known_analyses import RUN, analysis_of
-from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.results.hdf5.kept_work import KeptWork
 from vehicledyn.results.tables.uncertainty_table import UncertaintyTable
+from vehicledyn.studies.mistakes import silent
 from vehicledyn.studies.study_form import StudyForm
+from vehicledyn.studies.uncertainty.checks import check_method, note_mistakes
 from vehicledyn.studies.uncertainty.report import UncertaintyReport
 from vehicledyn.studies.uncertainty.run import METHODS, find_uncertainty
 
@@ -48,27 +46,6 @@ class UncertaintyStudy:
         """Return its scenario."""
         return [self.loaded]
 
-    def check_figures(self, progress: Progress) -> None:
-        """Refuse figures that the run has not; a run that fails is left to the study to report.
-
-        Raises
-        ------
-        InputError
-            If there is such a name.
-        """
-        try:
-            own = [name for name in self.of if analysis_of(name) == RUN]
-            with suppress(NumericalError):
-                if own:
-                    check_figures(self.loaded, own, progress)
-        except InputError as error:
-            named = (
-                ("of", k) for k, name in enumerate(self.of) if str(error).startswith(f"'{name}'")
-            )
-            is_list = isinstance(self.form.data["of"], list)
-            self.form.wrong(next(named, ("of",)) if is_list else ("of",), str(error))
-        self.form.refuse()
-
 
 def run_uncertainty_study(
     path: Path,
@@ -93,49 +70,57 @@ def run_uncertainty_study(
     Raises
     ------
     InputError
-        If anything in the study is wrong; all problems of its form are listed.
+        If anything in the study is wrong; all problems are listed.
     NumericalError
         If a run fails.
     """
-    study = load_uncertainty(path, overrides)
+    study = load_uncertainty(path, overrides, progress)
     runs = kept.memory(
         "uncertainty", study.texts, digests_to_keep(kept, [study.loaded]), asked_again=True
     )
-    try:
-        return find_uncertainty(
-            study.loaded,
-            study.of,
-            study.parameters,
-            method=study.method,
-            number=study.number,
-            seed=study.seed,
-            limits=study.limits,
-            progress=progress,
-            runs=runs,
-        )
-    except InputError as error:
-        raise study.form.placed(error) from None
+    return find_uncertainty(
+        study.loaded,
+        study.of,
+        study.parameters,
+        method=study.method,
+        number=study.number,
+        seed=study.seed,
+        limits=study.limits,
+        progress=progress,
+        runs=runs,
+        mistakes=study.form.mistakes,
+    )
 
 
-def load_uncertainty(path: Path, overrides: Sequence[str] = ()) -> UncertaintyStudy:
-    """Read and check a study file and its scenario.
+def load_uncertainty(
+    path: Path, overrides: Sequence[str] = (), progress: Progress = silent
+) -> UncertaintyStudy:
+    """Read a study file and check it against its scenario.
 
     Raises
     ------
     InputError
-        If anything in it is wrong; all problems of its form are listed.
+        If anything in it is wrong; all problems are listed.
     """
     form = StudyForm.read(path, required=_REQUIRED, optional=_OPTIONAL)
     of, method = _figures(form), form.choice("method", "first_order", METHODS)
     number = int(form.number("number", 256, least=2, most=_MOST_RUNS, whole=True))
     seed = int(form.number("seed", 1, least=0, whole=True))
     parameters, limits = dict(form.entries(("parameters",))), dict(form.entries(("limits",)))
-    for group, items in (("parameters", parameters), ("limits", limits)):
-        for name, item in items.items():
-            if not isinstance(item, dict):
-                form.wrong((group, name), "expected a mapping")
+    for name in [name for name, item in limits.items() if not isinstance(item, dict)]:
+        form.wrong(("limits", name), "expected a mapping")
+        del limits[name]
+    check_method(form.mistakes, method, number, limits)
+    loaded = None
+    if "scenario" in form.data:
+        changes = form.data.get("set")
+        loaded = form.scenario(("scenario",), form.data["scenario"], changes, overrides)
+    if loaded is not None:
+        note_mistakes(
+            form.mistakes, loaded, of=of, parameters=parameters, limits=limits, progress=progress
+        )
     form.refuse()
-    loaded = form.scenario(("scenario",), form.data["scenario"], form.data.get("set"), overrides)
+    assert loaded is not None  # what is wrong with it was refused
     texts = (form.document.text, loaded.text, repr(loaded.overrides))
     return UncertaintyStudy(loaded, of, parameters, method, number, seed, limits, texts, form)
 
