@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,10 +17,8 @@ from vehicledyn.base.problems import Place
 from vehicledyn.base.units import shown
 from vehicledyn.studies.known_names import KnownNames, Parameters, unknown_parameter
 from vehicledyn.studies.optimisation.scatter import Scatter
+from vehicledyn.studies.optimisation.study import OptimisationStudy
 from vehicledyn.studies.refused_values import refused_ends
-
-if TYPE_CHECKING:
-    from vehicledyn.studies.optimisation.file import OptimisationStudy
 
 Floats = NDArray[np.float64]
 

@@ -24,8 +24,8 @@ from vehicledyn.studies.optimisation.checks import (
     note_mistakes,
     read_bounds,
 )
-from vehicledyn.studies.optimisation.file import Limit, OptimisationStudy
 from vehicledyn.studies.optimisation.scatter import Scatter, combined
+from vehicledyn.studies.optimisation.study import Limit, OptimisationStudy
 from vehicledyn.studies.scenario_figures import ScenarioFigures, figures_of
 
 Floats = NDArray[np.float64]

@@ -22,9 +22,9 @@ from vehicledyn.base.units import shown
 from vehicledyn.results.hdf5.kept_work import KeptWork
 from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.results.tables.optimum_table import FrontPoint, OptimumTable
-from vehicledyn.studies.optimisation.file import Limit, OptimisationStudy
 from vehicledyn.studies.optimisation.problem import Problem
 from vehicledyn.studies.optimisation.report import INFEASIBLE, KEPT, Missed, OptimumReport
+from vehicledyn.studies.optimisation.study import Limit, OptimisationStudy
 
 Floats = NDArray[np.float64]
 
