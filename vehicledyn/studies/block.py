@@ -24,7 +24,6 @@ from vehicledyn.integrate.estimated_accuracy import Accuracy
 from vehicledyn.kernel.make_kernel import Backend
 from vehicledyn.results.store.study_layout import (
     ACCURACY,
-    BEND,
     DONE,
     ENDED,
     LOST,
@@ -221,17 +220,9 @@ class Worker:
                 for e in (entries if work.figures else ())
             ]
             if end.samples:
-                bends = model.bends(case, result.samples[row][: end.samples])
-                _note_bends(block, number, bends)
+                reached = slice(0, end.samples)
+                block.figures[number] += model.beam_figures(case, result.samples[row][reached])
             _note_accuracy(block, number, end.accuracy)
-
-
-def _note_bends(block: StudyBlock, number: int, bends: dict[str, float]) -> None:
-    """Add how far beams of assumed modes bent to the figures of a case."""
-    block.figures[number] += [
-        StudyFigure(f"{BEND}{name}", bend, "1", f"Deflection of the end of {name} over its length")
-        for name, bend in bends.items()
-    ]
 
 
 def _note_accuracy(block: StudyBlock, number: int, accuracy: Accuracy | None) -> None:

@@ -17,7 +17,6 @@ from vehicledyn.analyses.preparation.prepare import Point, Vector, prepare, star
 from vehicledyn.analyses.preparation.prepared import Derived, Prepared, Progress
 from vehicledyn.analyses.preparation.rate_determinacy import rate_monitor_of
 from vehicledyn.analyses.preparation.runnable import Subject
-from vehicledyn.analyses.preparation.validity.bent_beams import MonitoredBeams
 from vehicledyn.analyses.simulation.chosen_step import leaves_step, with_step
 from vehicledyn.analyses.simulation.judgement import judged_by
 from vehicledyn.analyses.simulation.lost_control import PATH_ERROR
@@ -37,9 +36,11 @@ from vehicledyn.kernel.kernel import Kernel
 from vehicledyn.kernel.make_kernel import Backend
 from vehicledyn.kernel.rate_monitor import RateMonitor
 from vehicledyn.multibody.loops.assembled_start import DrawnStarts
+from vehicledyn.results.store.study_layout import StudyFigure
 from vehicledyn.road.manoeuvres.channel_recorder import Recording
 from vehicledyn.studies import indexed_random as scatter
 from vehicledyn.studies.axes import Axis
+from vehicledyn.studies.case_beams import CaseBeams
 from vehicledyn.studies.load import leaves
 from vehicledyn.studies.recipe import Recipe
 from vehicledyn.studies.starts import Reference, find_reference, start_of
@@ -94,8 +95,7 @@ class Model:
 
     def __post_init__(self) -> None:
         """List the channels to compute: those to keep first, then the others needed."""
-        ends = (k for pair in self.beams.columns for k in pair)
-        self.columns = list(dict.fromkeys([*self.kept, *self.needed, *ends]))
+        self.columns = list(dict.fromkeys([*self.kept, *self.needed, *self.beams.columns]))
 
     @property
     def channels(self) -> list[Channel]:
@@ -178,14 +178,13 @@ class Model:
         return Judged([k for k in self.kept if k in known], by_itself=False)
 
     @cached_property
-    def beams(self) -> MonitoredBeams:
-        """The beams whose ends are watched."""
-        return MonitoredBeams.of(self.prepared)
+    def beams(self) -> CaseBeams:
+        """The beams that are watched."""
+        return CaseBeams.of(self.prepared)
 
-    def bends(self, case: Case, samples: Vector) -> dict[str, float]:
-        """Return how far the ends of these beams moved aside in a case, over their lengths."""
-        found = self.beams.bends(lambda k: samples[:, self.columns.index(k)], case.parameters)
-        return {name: float(values.max()) for name, values in found.items()}
+    def beam_figures(self, case: Case, samples: Vector) -> list[StudyFigure]:
+        """Return what beams do in a case that their models do not hold for."""
+        return self.beams.figures(lambda k: samples[:, self.columns.index(k)], case.parameters)
 
     @cached_property
     def rates(self) -> RateMonitor | None:

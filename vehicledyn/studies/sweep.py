@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 
 from vehicledyn.analyses.preparation.prepared import Progress
-from vehicledyn.analyses.preparation.validity.bent_beams import LARGE, bent_far
 from vehicledyn.base.argument_names import argument, given
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.base.processors import cores
@@ -21,7 +20,6 @@ from vehicledyn.kernel.make_kernel import Backend
 from vehicledyn.results.hdf5.output import check_output, write_failed
 from vehicledyn.results.store.study_layout import (
     ACCURACY,
-    BEND,
     FAILED,
     INTERRUPTED,
     OK,
@@ -36,6 +34,7 @@ from vehicledyn.results.store.study_reader import StudyFile, open_study
 from vehicledyn.results.store.study_writer import StudyWriter, pending
 from vehicledyn.studies import pool
 from vehicledyn.studies.block import Work, facts_of, work_of
+from vehicledyn.studies.case_beams import beam_warnings
 from vehicledyn.studies.cluster import ClusterAddress, open_cluster
 from vehicledyn.studies.load import LoadedStudy
 from vehicledyn.studies.model import Model
@@ -252,7 +251,7 @@ class _Run:
 
 
 def _warned(file: StudyFile) -> list[str]:
-    """Return warnings about cases whose step is too long or whose beams bend too far."""
+    """Return warnings about cases whose step is too long, or whose beams bend or yield wrongly."""
     warnings = []
     if ACCURACY in file.figures:
         texts = file.figure_texts(ACCURACY)
@@ -262,13 +261,7 @@ def _warned(file: StudyFile) -> list[str]:
                 f"warning: the step is too long in {_cases(file, found)}; the figures "
                 "'estimated_error' and 'recommended_step' say how much and what to take"
             )
-    for name in (name for name in file.figures if name.startswith(BEND)):
-        bends = file.figure(name)
-        found = [int(k) for k in np.flatnonzero(bends > LARGE)]
-        if found:
-            how = f"by up to {bends[found].max():.2g} of its length in {_cases(file, found)}"
-            warnings.append(bent_far(name.removeprefix(BEND), how))
-    return warnings
+    return warnings + beam_warnings(file, lambda found: _cases(file, found))
 
 
 def _cases(file: StudyFile, found: list[int]) -> str:

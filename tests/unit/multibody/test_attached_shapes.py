@@ -150,6 +150,28 @@ def test_frames_too_near_to_an_end_are_refused():
         attached_shapes(6, 2, (1e-5,))
 
 
+def test_sweeps_say_which_cases_have_too_few_shapes(tmp_path):
+    """The bed is a parameter: with a hundredth of it the eight polynomials do."""
+    rail = RAIL.replace("BASIS", "polynomials").replace(f"{BED} N/m^2", "bed")
+    title, rest = rail.split("\n", 1)
+    rail = f"{title}\nparameters: {{bed: {BED} N/m^2}}\n{rest}"
+    (tmp_path / "rail.yaml").write_text(rail)
+    (tmp_path / "run.yaml").write_text(
+        "title: It stands\nmodel: rail.yaml\nduration: 10 us\n"
+        "solver: {kind: rk4, step: 0.1 us}\noutput: {interval: 10 us}\n"
+    )
+    (tmp_path / "study.yaml").write_text(
+        "title: Two beds\nscenario: run.yaml\ncases: {kind: grid, vary: "
+        f"{{parameters.bed: [{0.01 * BED} N/m^2, {BED} N/m^2]}}}}\n"
+        "output: {interval: 10 us}\n"
+    )
+    words = "it sinks by up to 10 % too little under its loads in 1 of 2 cases \\(1\\); take 'basis"
+    with pytest.warns(AccuracyWarning, match=words):
+        found = vd.sweep(tmp_path / "study.yaml", backend="interpreted", workers=1)
+    missing = found["sinks_too_little.rail"].values
+    assert missing == pytest.approx([np.nan, 0.10428], abs=1e-5, nan_ok=True)
+
+
 def test_kinks_whose_stiffness_drowns_that_of_the_other_shapes_are_refused():
     """Beyond a place at 0.9999 the beam is 1e16 times as stiff as in all."""
     for place in (0.999, 0.9999, 0.99999):

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import fields, is_dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, fields, is_dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,6 +23,11 @@ Floats = NDArray[np.float64]
 SINKS_LESS, TWISTS_LESS = 5e-3, 0.05
 """Parts by which a place may sink or twist too little under a load there."""
 
+TOO_LITTLE = "_too_little."
+"""What stands in the name of the figure between what a beam does and the beam."""
+
+_CURE = "take 'basis: attached', two beams that begin there, or 'model: segments'"
+
 _MIDDLE = "its middle"
 """Where forces are judged that travel along a beam."""
 
@@ -30,37 +35,97 @@ _FINE, _POINTS = 40, 48
 """Degree of the polynomials that shapes are compared with, and points of a quadrature."""
 
 
-def coarse_shapes(prepared: Prepared) -> list[str]:
-    """Return a warning for each beam that yields too little where something acts on it.
+@dataclass(frozen=True)
+class CoarseShapes:
+    """Shapes of a beam of which ``verb`` says what it does too little, "sinks" or "twists".
 
-    That is the twist under a torque, and how a beam sinks into its foundation as in :func:`sinks`,
-    with the parameters of the prepared system. Foundations whose line lies askew to the beam are
-    not judged.
+    ``missing`` is by which part, ``at`` the frame of the load, and ``count`` the number of shapes.
     """
-    system = getattr(prepared.subject, "system", None)
-    if system is None or not any(hasattr(part, "foundation") for part in system.parts):
-        return []
-    from vehicledyn.multibody.elements.flexible.beam import Beam
 
-    found = []
-    for beam in (part for part in system.parts if isinstance(part, Beam)):
-        loaded = {} if beam.model == "segments" else _loaded(beam, system)
-        if not loaded:
-            continue
-        cure = "take 'basis: attached', two beams that begin there, or 'model: segments'"
-        for name, missing, count in _sinking(beam, loaded, system, prepared):
-            if name == _MIDDLE:
-                cure = "take more modes, or 'basis: sines' where the ends are hinged"
-            found.append(
-                f"warning: beam '{beam.name}': under a force at {name} it sinks "
-                f"{100.0 * missing:.2g} % too little with {count} shapes on its foundation; {cure}"
-            )
-        for name, missing, count in _twisting(beam, loaded):
-            found.append(
-                f"warning: beam '{beam.name}': under a torque at {name} it twists "
-                f"{100.0 * missing:.2g} % too little there with {count} shapes; {cure}"
-            )
-    return found
+    beam: str
+    verb: str
+    missing: float
+    at: str
+    count: int
+
+    @property
+    def name(self) -> str:
+        """Name of the part as a figure of a run."""
+        return f"{self.verb}{TOO_LITTLE}{self.beam}"
+
+    @property
+    def warning(self) -> str:
+        """A warning that says by how much."""
+        how = f"{100.0 * self.missing:.2g} % too little"
+        if self.verb == "twists":
+            place = f"under a torque at {self.at} it twists {how} there with {self.count} shapes"
+            return f"warning: beam '{self.beam}': {place}; {_CURE}"
+        cure = _CURE
+        if self.at == _MIDDLE:
+            cure = "take more modes, or 'basis: sines' where the ends are hinged"
+        place = f"under a force at {self.at} it sinks {how} with {self.count} shapes"
+        return f"warning: beam '{self.beam}': {place} on its foundation; {cure}"
+
+
+def too_coarse(figure: str, largest: float, where: str) -> str:
+    """Return a warning of a figure that :class:`CoarseShapes` names, with the cases it is of."""
+    verb, beam = figure.split(TOO_LITTLE, 1)
+    how = f"by up to {100.0 * largest:.2g} % too little under its loads in {where}"
+    return f"warning: beam '{beam}': it {verb} {how}; {_CURE}"
+
+
+@dataclass(frozen=True)
+class LoadedBeams:
+    """Beams of a system with the places over their lengths where something acts on them.
+
+    ``numbers`` takes the parameters and returns for each beam its length, bending stiffness and
+    foundation along y and z.
+    """
+
+    places: Sequence[tuple[Beam, dict[str, float]]] = ()
+    numbers: Callable[[Floats], Floats] = np.asarray
+
+    @staticmethod
+    def of(prepared: Prepared) -> LoadedBeams:
+        """Return those of a system whose shapes may be too coarse."""
+        system = getattr(prepared.subject, "system", None)
+        if system is None or not any(hasattr(part, "foundation") for part in system.parts):
+            return LoadedBeams()
+        from vehicledyn.multibody.elements.flexible.beam import Beam
+
+        beams = [p for p in system.parts if isinstance(p, Beam) and p.model != "segments"]
+        places = [(beam, loaded) for beam in beams if (loaded := _loaded(beam, system))]
+        symbols = ops.column([entry.symbol for entry in system.table.entries])
+        numbers = [item for beam, _ in places for item in _numbers(beam)]
+        values = ops.numeric([symbols], ops.column(numbers)) if numbers else None
+        return LoadedBeams(places, lambda p: np.zeros(0) if values is None else values(p)[:, 0])
+
+    def coarse(self, parameters: Floats) -> list[CoarseShapes]:
+        """Return the shapes that are too coarse with some parameters.
+
+        That is the twist under a torque, and how a beam sinks into its foundation as in
+        :func:`sinks`. Foundations whose line lies askew to the beam are not judged.
+        """
+        found = []
+        values = self.numbers(parameters).reshape(len(self.places), -1) if self.places else ()
+        for (beam, loaded), numbers in zip(self.places, values, strict=True):
+            parts = [("sinks", *item) for item in _sinking(beam, loaded, numbers)]
+            parts += [("twists", *item) for item in _twisting(beam, loaded)]
+            found += [CoarseShapes(beam.name, verb, m, at, n) for verb, at, m, n in parts]
+        return found
+
+
+def coarse_shapes(prepared: Prepared) -> list[str]:
+    """Return a warning for each beam that yields too little where something acts on it."""
+    found = LoadedBeams.of(prepared).coarse(prepared.kernel.parameters)
+    return [item.warning for item in found]
+
+
+def _numbers(beam: Beam) -> list[Any]:
+    """Return the length, the mean bending stiffnesses and those of the foundation, y and z."""
+    bed = (0.0, 0.0) if beam.foundation is None else beam.foundation.stiffness[1:]
+    moduli = [beam.properties.mean(d) for d in ("y", "z")]
+    return [ops.scalar(item) for item in (beam.length, *moduli, *bed)]
 
 
 def _twisting(beam: Beam, loaded: dict[str, float]) -> Iterator[tuple[str, float, int]]:
@@ -81,16 +146,12 @@ def _worst(parts: dict[str, float], least: float, count: int) -> Iterator[tuple[
 
 
 def _sinking(
-    beam: Beam, loaded: dict[str, float], system: System, prepared: Prepared
+    beam: Beam, loaded: dict[str, float], values: Floats
 ) -> Iterator[tuple[str, float, int]]:
     """Yield the same of each direction of bending, of what sinks too little."""
     foundation = beam.foundation
     if foundation is None or foundation.direction is not None or foundation.upwards is not None:
         return
-    symbols = ops.column([entry.symbol for entry in system.table.entries])
-    moduli = [beam.properties.mean(d) for d in ("y", "z")]
-    numbers = ops.column([beam.length, *moduli, *foundation.stiffness[1:]])
-    values = ops.numeric([symbols], numbers)(prepared.kernel.parameters)[:, 0]
     held = foundation.begin, foundation.end
     for k, direction in enumerate(("y", "z")):
         shapes = beam.shapes_of(direction)
