@@ -150,6 +150,7 @@ def test_frames_too_near_to_an_end_are_refused():
         attached_shapes(6, 2, (1e-5,))
 
 
+@pytest.mark.long
 def test_sweeps_say_which_cases_have_too_few_shapes(tmp_path):
     """The bed is a parameter: with a hundredth of it the eight polynomials do."""
     rail = RAIL.replace("BASIS", "polynomials").replace(f"{BED} N/m^2", "bed")
@@ -169,7 +170,10 @@ def test_sweeps_say_which_cases_have_too_few_shapes(tmp_path):
     with pytest.warns(AccuracyWarning, match=words):
         found = vd.sweep(tmp_path / "study.yaml", backend="interpreted", workers=1)
     missing = found["sinks_too_little.rail"].values
-    assert missing == pytest.approx([np.nan, 0.10428], abs=1e-5, nan_ok=True)
+    # A free rail of λ L = 8 sinks a little more than a long one (Hetenyi (1946)).
+    more = (np.cosh(8.0) + np.cos(8.0) + 2.0) / (np.sinh(8.0) + np.sin(8.0))
+    expected = 1.0 - (1.0 - 0.10428) / more
+    assert missing == pytest.approx([np.nan, expected], abs=1e-5, nan_ok=True)
 
 
 def test_kinks_whose_stiffness_drowns_that_of_the_other_shapes_are_refused():
