@@ -17,7 +17,7 @@ import table_cases
 import yaml_cases
 from harness import Case, run
 
-from vehicledyn.analyses.sensitivity.motion_study import check_size
+from vehicledyn.analyses.sensitivity.steps import check_size
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.files.column_files import Column, read_columns
 from vehicledyn.base.slope_text import slope_of

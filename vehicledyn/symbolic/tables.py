@@ -175,7 +175,7 @@ class CurveTable:
         return call
 
     def _polynomial(self, x: Any, derivative: int) -> Any:
-        knot, rows = self._cell(x)
+        knot, rows = self.cell_of(x)
         distance = x - knot
         order = len(rows) - 1
         if order < derivative:
@@ -185,7 +185,7 @@ class CurveTable:
             total = float(math.perm(power, derivative)) * rows[power] + distance * total
         return total
 
-    def _cell(self, x: Any) -> tuple[Any, Sequence[Any]]:
+    def cell_of(self, x: Any) -> tuple[Any, Sequence[Any]]:
         """Return the knot where the cell of a place begins, and the coefficients there."""
         if not isinstance(x, int | float | np.number | np.ndarray):
             found = self._call.function(x)

@@ -101,14 +101,35 @@ def test_a_derivative_that_is_not_finite_is_no_derivative():
 
 
 @pytest.mark.long
-def test_jumps_that_are_no_events_are_reported():
+def test_jumps_that_are_no_events_move_with_the_parameters():
     """The pin of a Geneva drive enters and leaves its slot: the acceleration jumps."""
     settings = {"duration": "1 s", "solver": {"kind": "rk4", "step": "1 ms"}}
-    with pytest.warns(vd.AccuracyWarning, match="do not confirm"):
-        vd.sensitivity("geneva_drive", "driver.angle_rate", "motor.*", **settings)
+    found = vd.sensitivity("geneva_drive", "driver.angle_rate", "motor.*", **settings)
+    assert not any("warning" in note for note in found.notes)
+    assert any("corners of laws" in note for note in found.notes)
     before = settings | {"duration": "0.1 s"}
     smooth = vd.sensitivity("geneva_drive", "driver.angle_rate", "motor.*", **before)
-    assert not any("warning" in note for note in smooth.notes)
+    assert not any("divided" in note for note in smooth.notes)
+
+
+RATTLING = """\
+title: A block comes to rest by dry friction
+gravity: [0, 0, 0]
+parameters: {stiffness: 100 N/m, friction: 5 N}
+bodies: {block: {joints: [T1 x], mass: 1 kg}}
+forces:
+  f: {coordinate: block.x, force: "-stiffness*position - friction*where(rate > 0 m/s, 1, -1)"}
+initial: {block.x_rate: 1 m/s}
+"""
+
+
+def test_jumps_that_rattle_are_reported(tmp_path):
+    """A force that holds the block changes its sign in every step."""
+    path = tmp_path / "rattling.yaml"
+    path.write_text(RATTLING, encoding="utf-8")
+    settings = {"duration": "1 s", "solver": {"kind": "rk4", "step": "1 ms"}}
+    with pytest.warns(vd.AccuracyWarning, match="do not confirm"):
+        vd.sensitivity(path, "block.x", **settings)
 
 
 def test_steps_that_stand_for_another_method_are_judged():

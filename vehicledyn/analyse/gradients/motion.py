@@ -18,8 +18,9 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.analyse.gradients.motion_course import Course, Piece
+from vehicledyn.analyse.gradients.motion_course import Course
 from vehicledyn.analyse.gradients.motion_slopes import MotionSlopes
+from vehicledyn.analyse.gradients.motion_stretches import Piece
 from vehicledyn.base.step_memory import Memory
 from vehicledyn.kernel.engine import Vector
 from vehicledyn.kernel.kernel import Kernel
@@ -103,4 +104,5 @@ def follow(
         run.events,
         run.watch.ended_by,
         [piece.time for piece in later],
+        run.corners,
     )

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.analyse.gradients.motion_slopes import EventSlope, Recorder
+from vehicledyn.analyse.gradients.corner_steps import CornerSteps, StepParts
+from vehicledyn.analyse.gradients.motion_slopes import CornerPassed, EventSlope, Recorder
+from vehicledyn.analyse.gradients.motion_stretches import Piece, Stretch, Where
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.integrate.events import EventMonitor, Point
 from vehicledyn.kernel.bundle import Bundle, BundleResult
-from vehicledyn.kernel.engine import Ledger, March, Method, Rows, Sides, Status, Vector
-from vehicledyn.kernel.kernel import Kernel
-from vehicledyn.kernel.tangent_code import Grid, MotionPoint, StepSpan, TangentCode
+from vehicledyn.kernel.engine import Ledger, March, Method, Rows, Status, Vector
+from vehicledyn.kernel.tangent_code import Grid, MotionPoint, StepSpan
 
 Matrix = NDArray[np.float64]
 
@@ -28,53 +29,6 @@ _AT_ONCE, _MOST_NUMBERS = 512, 4_000_000
 """Intervals that are followed at once where nothing happens in them, and tangents of these."""
 _SHORTEST, _REACH = 1e-9, 1.25
 """Parts of a step behind an event of a method of order one, as in a run without derivatives."""
-
-
-@dataclass(frozen=True)
-class Piece:
-    """Equations that hold from a time on [s], with other dependent coordinates than before.
-
-    ``code`` observes the same channels, in the same order, as that of the piece before; behind
-    these it may observe others, which the next change needs.
-    """
-
-    time: float
-    kernel: Kernel
-    code: TangentCode
-
-
-@dataclass(frozen=True)
-class Where:
-    """Where a motion stands: the next step, and what the following ones go on from."""
-
-    step: int
-    state: Vector
-    unknowns: Vector
-    memory: Vector
-    sides: Sides
-    crossed: Vector
-    tangents: Matrix
-    ended_by: str
-
-
-@dataclass(frozen=True)
-class Stretch:
-    """Samples of a part of a motion, what is looked at, events, and where it ends.
-
-    ``n_later`` is the number of changes of the dependent coordinates that are still to come.
-    """
-
-    times: Vector
-    values: Matrix
-    slopes: Matrix
-    looks: tuple[tuple[Vector, Matrix, Matrix], ...]
-    events: tuple[EventSlope, ...]
-    end: Where
-    n_later: int
-
-
-KINDS = (Where, Stretch, EventSlope)
-"""Results of a memory of stretches."""
 
 
 class Course:
@@ -94,6 +48,7 @@ class Course:
         by_parameter, by_state = directions
         self.grid, self.n, self._by_parameter = grid, by_state.shape[1], by_parameter
         self.events: list[EventSlope] = []
+        self.corners: list[CornerPassed] = []
         self.record = Recorder(n_channels, self.n)
         numbers = max(1, by_state.size)
         self.at_once = max(1, min(_AT_ONCE, _MOST_NUMBERS // numbers))
@@ -115,6 +70,8 @@ class Course:
         extra = len(self._extra) - self.n
         self.bundle = Bundle(self.code, np.pad(moved, ((0, 0), (0, extra))), n_idle=extra)
         self.bundle.state = tangents
+        given = self.kernel, self.code, self.bundle, self._by_parameter
+        self.corner_steps = CornerSteps(*given)
         state, guess = start
         time = grid.start + grid.interval * step / grid.per_interval
         unknowns = self.code.solved(time, state, guess, self.constants)
@@ -157,24 +114,27 @@ class Course:
             march.sides.copy(),
             self.watch.memory,
             self.bundle.state.copy(),
+            self.corner_steps.memory,
             self.watch.ended_by,
         )
 
     def stretch(self, count: int) -> Stretch:
         """Return the samples of the next intervals, and where they end."""
         record = self.record = Recorder(self.record.n_channels, self.n)
-        before = len(self.events)
+        before = len(self.events), len(self.corners)
+        self.corner_steps.forget()
         if self.march.step == 0:
             self.sample()
         self.intervals(count)
-        events = tuple(self.events[before:])
-        del self.events[before:]
+        events, corners = tuple(self.events[before[0] :]), tuple(self.corners[before[1] :])
+        del self.events[before[0] :], self.corners[before[1] :]
         return Stretch(
             np.concatenate(record.times),
             np.concatenate(record.values),
             np.concatenate(record.slopes),
             tuple(record.looks),
             events,
+            corners,
             self._where(),
             len(self._later),
         )
@@ -186,6 +146,7 @@ class Course:
             _, piece = self._later.pop(0)
             self._begin(piece, where.step, (where.state, where.unknowns), where.tangents)
         self.events += stretch.events
+        self.corners += stretch.corners
         self.march.step, self.bundle.state = where.step, where.tangents
         pairs = (
             (self.march.state, where.state),
@@ -196,6 +157,7 @@ class Course:
         for own, known in pairs:
             own[:] = known
         self.watch.recall(where.crossed)
+        self.corner_steps.recall(where.corners)
         self.watch.ended_by = where.ended_by
 
     def _change(self, piece: Piece) -> None:
@@ -247,7 +209,11 @@ class Course:
             if self._later and self._later[0][0] <= self.march.step:
                 self._change(self._later.pop(0)[1])
             ahead = self._later[0][0] - self.march.step if self._later else due
-            way = StepSpan(self.march.step, min(due, ahead))
+            smooth = self.corner_steps.ahead(self.march, min(due, ahead))
+            if not smooth and self._over_corners():
+                due -= 1
+                continue
+            way = StepSpan(self.march.step, max(smooth, 1))
             before = self.march.state.copy(), self.march.unknowns.copy()
             moment = MotionPoint(self.time, self.march.state, self.march.unknowns, self.constants)
             status, taken, samples = self.bundle.march(self.grid, way, moment, self.march.sides)
@@ -266,6 +232,31 @@ class Course:
                 due -= 1
                 if self.march.step % self.grid.per_interval == 0:
                     self.sample()
+
+    def _over_corners(self) -> bool:
+        """Take the step that is due, divided at corners of laws, if it has any that is felt."""
+        corners, begin, tangents = self.corner_steps, self._here(), self.bundle.state
+        still = self._extra, self._extra
+        parts = StepParts(self._trials, lambda span: self._part(span, still), self._enter)
+        whole = corners.whole(self.march)
+        end = whole and corners.divided(self.march.step, parts, (begin, whole))
+        if whole is None or end is None or self.watch.fires(end):
+            self._enter(begin)
+            self.bundle.state = tangents
+            return False
+        self.corners.append(CornerPassed(begin.time, corners.missed(end, whole)))
+        self._enter(end)
+        self.march.step += 1
+        self.march.memory[:] = 0.0
+        if self.march.step % self.grid.per_interval == 0:
+            self.sample()
+        return True
+
+    def _here(self) -> Point:
+        return Point(self.time, self.march.state.copy(), self.march.unknowns.copy())
+
+    def _enter(self, point: Point) -> None:
+        self.march.state[:], self.march.unknowns[:] = point.state, point.unknowns
 
     def _refuse(self, status: Status, way: StepSpan, before: tuple[Vector, Vector]) -> NoReturn:
         """Raise what a run without derivatives raises where it fails, or that tangents do."""

@@ -20,6 +20,17 @@ class EventSlope:
     slope: Vector
 
 
+@dataclass(frozen=True)
+class CornerPassed:
+    """A corner of a law: when its step begins [s], and how far this ends beside the motion.
+
+    ``missed`` is a part of the state's size.
+    """
+
+    time: float
+    missed: float
+
+
 @dataclass
 class MotionSlopes:
     """A motion and its derivatives by n directions.
@@ -27,7 +38,8 @@ class MotionSlopes:
     ``times`` (n_times,), ``values`` (n_times, n_channels), ``slopes`` (n_times, n_channels,
     n_directions) of the chosen channels, ``state`` and ``state_slopes`` (n_states, n_directions)
     at the end, ``events`` in their order. Where an event ended the run, the last sample moves with
-    it. ``changes`` are times at which other coordinates became dependent [s].
+    it. ``changes`` are times at which other coordinates became dependent [s]; ``corners`` those of
+    laws that are passed.
     """
 
     times: Vector
@@ -38,6 +50,7 @@ class MotionSlopes:
     events: list[EventSlope]
     ended_by: str
     changes: list[float] = field(default_factory=list)
+    corners: list[CornerPassed] = field(default_factory=list)
 
     @property
     def end_slope(self) -> Vector:

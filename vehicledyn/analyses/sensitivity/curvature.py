@@ -143,7 +143,14 @@ def find_curvature(
     ready = CurvatureStudy.of(study, asked.figures, progress)
     progress("following the motion back with its tangents", None)
     found = ready.along(chosen, _direction(chosen, along, e, study))
-    notes = [*study.notes, *bent_beams(study, study.plain(progress))]
+    plain = study.plain(progress)
+    notes = [*study.notes, *bent_beams(study, plain)]
+    if plain.corners:
+        notes.append(
+            f"warning: the motion passes {len(plain.corners)} corners of laws, the first at "
+            f"{plain.corners[0].time:.6g} s: these derivatives are those of whole steps, which "
+            "step over them; take differences of gradients"
+        )
     slopes, curvatures = [], []
     about = {c.name: c for c in e.channels}
     figures = []

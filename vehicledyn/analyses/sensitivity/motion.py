@@ -111,7 +111,7 @@ def _figure_back(
     kind, _, channel = name.removesuffix(")").partition("(")
     study = MotionStudy.of(loaded, [channel], progress, back=True, memory=memory)
     course = study.changes()
-    if course is not None and course.changes:
+    if (course is not None and course.changes) or study.plain(progress).corners:
         return _figures_ahead(loaded, ([name], [channel]), to, progress, memory)
     e, kernel = study.prepared.equations, study.prepared.kernel
     chosen = directions(e, kernel.parameters, study.start.state, to)
@@ -163,6 +163,18 @@ def _figure_back(
     )
 
 
+def divided_steps(motion: MotionSlopes) -> list[str]:
+    """Return a line on corners of laws that are passed, none where there are none."""
+    if not motion.corners:
+        return []
+    missed = max(item.missed for item in motion.corners)
+    return [
+        f"steps are divided at {len(motion.corners)} corners of laws, the first at "
+        f"{motion.corners[0].time:.6g} s; a run steps over them, and misses one by up to "
+        f"{missed:.1e} of the size of a state"
+    ]
+
+
 def _needs_run(of: list[str], equations: Any) -> bool:
     return any(is_figure_of_run(name, equations) for name in of)
 
@@ -199,6 +211,7 @@ def _table(
         f"other coordinates become dependent at {time:.6g} s; the derivatives follow"
         for time in motion.changes
     ]
+    notes += divided_steps(motion)
     notes += bent_beams(study, motion)
     if befell := driving_failure(study, motion):
         notes.append(f"warning: {befell}")

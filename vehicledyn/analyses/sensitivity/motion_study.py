@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyse.gradients.adjoint import FigureAdjoint
+from vehicledyn.analyse.gradients.corner_steps import has_corners
 from vehicledyn.analyse.gradients.equilibrium import Balance, BalancedStart, GivenSlopes
 from vehicledyn.analyse.gradients.key_figures import (
     FigureSlope,
@@ -19,9 +20,9 @@ from vehicledyn.analyse.gradients.key_figures import (
     unit_of,
 )
 from vehicledyn.analyse.gradients.motion import follow
-from vehicledyn.analyse.gradients.motion_course import KINDS as STRETCH_KINDS
-from vehicledyn.analyse.gradients.motion_course import Piece
 from vehicledyn.analyse.gradients.motion_slopes import MotionSlopes
+from vehicledyn.analyse.gradients.motion_stretches import KINDS as STRETCH_KINDS
+from vehicledyn.analyse.gradients.motion_stretches import Piece
 from vehicledyn.analyse.gradients.sampled_run import sampled_run
 from vehicledyn.analyses.linear.written_starts import WrittenStarts
 from vehicledyn.analyses.preparation.prepare import Point, set_speed, start_point
@@ -29,7 +30,7 @@ from vehicledyn.analyses.preparation.prepared import Prepared, Progress
 from vehicledyn.analyses.preparation.validity.bent_beams import MonitoredBeams
 from vehicledyn.analyses.sensitivity.names import START, Directions, RequestedNames
 from vehicledyn.analyses.sensitivity.pieces import Pieces
-from vehicledyn.analyses.sensitivity.steps import FIXED, grid_of, missed_by
+from vehicledyn.analyses.sensitivity.steps import FIXED, check_size, grid_of, missed_by
 from vehicledyn.analyses.simulation.partitions.partition_course import PartitionCourse, RunCourse
 from vehicledyn.analyses.simulation.partitions.steady_partition import SteadyPartition, Unsteady
 from vehicledyn.analyses.simulation.prepared_run import prepare_run
@@ -44,9 +45,6 @@ from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.road.manoeuvres.channel_recorder import Recording
 
 Floats = NDArray[np.float64]
-
-_MOST_NUMBERS = 100_000_000
-"""Of the samples and their derivatives, which are all kept at once."""
 
 _AS_GOOD, _MOST_HALVINGS = 1e-5, 5
 """Part of a channel's range by which steps may miss it that stand for another method's, and how
@@ -255,6 +253,10 @@ class MotionStudy:
 
     def _plain(self) -> MotionSlopes:
         kernel, n_x = self.prepared.kernel, len(self.start.state)
+        start, given = (self.start.state, self.start.unknowns), (self.grid, self.n_intervals)
+        if has_corners(kernel, self.grid):
+            first, *later = self._parts()
+            return self._without_slopes(first, later)
         course = self.changes()
         if course is not None:
             wanted = course.channels[:, self.channels]
@@ -264,22 +266,25 @@ class MotionStudy:
                 course.times, wanted, nothing, last, np.zeros((n_x, 0)), [], ended_by
             )
         if kernel.equations.events:
-            none = np.zeros((len(kernel.parameters), 0)), np.zeros((n_x, 0))
-            start = (self.start.state, self.start.unknowns)
-            return follow(
-                self.code,
-                kernel,
-                self.grid,
-                n_intervals=self.n_intervals,
-                start=start,
-                directions=none,
-            )
-        times, values, state = sampled_run(
-            kernel, self.grid, self.n_intervals, (self.start.state, self.start.unknowns)
-        )
+            return self._without_slopes(Piece(self.grid.start, kernel, self.code), [])
+        times, values, state = sampled_run(kernel, *given, start)
         chosen = values[:, self.channels]
         empty = np.zeros((*chosen.shape, 0))
         return MotionSlopes(times, chosen, empty, state, np.zeros((n_x, 0)), [], "")
+
+    def _without_slopes(self, first: Piece, later: list[Piece]) -> MotionSlopes:
+        """Return the motion as it is followed, by no directions."""
+        none = [np.zeros((n, 0)) for n in (len(first.kernel.parameters), len(self.start.state))]
+        return follow(
+            first.code,
+            first.kernel,
+            self.grid,
+            n_intervals=self.n_intervals,
+            start=(self.start.state, self.start.unknowns),
+            directions=(none[0], none[1]),
+            later=later,
+            n_channels=len(self.channels),
+        )
 
     def start_slopes(self, chosen: Directions) -> Floats:
         """Return how the start follows the parameters."""
@@ -367,16 +372,6 @@ class MotionStudy:
             np.concatenate([moved, motion.slopes], axis=1),
         )
         return {name: (slope, about[name]) for name, slope in found.items()}
-
-
-def check_size(n_intervals: int, width: int) -> None:
-    """Refuse a motion whose samples, each of so many numbers, do not fit the memory."""
-    if n_intervals * width > _MOST_NUMBERS:
-        raise InputError(
-            f"output.interval: {n_intervals} samples of {width} values and derivatives are more "
-            "than fit the memory; take a longer one, a shorter duration or fewer of them",
-            about=["output.interval"],
-        )
 
 
 def _known(run: dict[str, tuple[FigureSlope, Quantity]], name: str) -> tuple[FigureSlope, Quantity]:

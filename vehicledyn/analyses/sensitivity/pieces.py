@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from vehicledyn.analyse.gradients.motion_course import Piece
+from vehicledyn.analyse.gradients.motion_stretches import Piece
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.kernel.kernel import Kernel
 from vehicledyn.kernel.tangent_code import TangentCode

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.analyses.preparation.prepare import Point
 from vehicledyn.analyses.preparation.prepared import Prepared
+from vehicledyn.base.errors import InputError
 from vehicledyn.base.units import shown
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.integrate.accuracy.proposed_step import proposed_step
@@ -21,6 +22,10 @@ Floats = NDArray[np.float64]
 
 FIXED = (Method.RK4, Method.SYMPLECTIC_EULER)
 """Methods with derivatives."""
+
+
+_MOST_NUMBERS = 100_000_000
+"""Of the samples and their derivatives, which are all kept at once."""
 
 
 def grid_of(
@@ -56,3 +61,13 @@ def missed_by(ranges: Ranges, coarse: Floats, fine: Floats) -> float:
     sizes = np.where(ranges.matters, np.maximum(sizes, ranges.noise), math.inf)
     differences = np.max(np.abs(coarse - fine), axis=0, initial=0.0)
     return float(np.max(differences / sizes, initial=0.0))
+
+
+def check_size(n_intervals: int, width: int) -> None:
+    """Refuse a motion whose samples, each of so many numbers, do not fit the memory."""
+    if n_intervals * width > _MOST_NUMBERS:
+        raise InputError(
+            f"output.interval: {n_intervals} samples of {width} values and derivatives are more "
+            "than fit the memory; take a longer one, a shorter duration or fewer of them",
+            about=["output.interval"],
+        )

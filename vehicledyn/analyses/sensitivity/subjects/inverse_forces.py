@@ -21,7 +21,6 @@ from vehicledyn.analyses.mechanism.inverse import channel_rows
 from vehicledyn.analyses.mechanism.inverse_report import prepared_motion, sample_times
 from vehicledyn.analyses.preparation.build_model import build_subject
 from vehicledyn.analyses.preparation.prepared import Progress
-from vehicledyn.analyses.sensitivity.motion_study import check_size
 from vehicledyn.analyses.sensitivity.names import (
     START,
     Directions,
@@ -29,6 +28,7 @@ from vehicledyn.analyses.sensitivity.names import (
     directions,
     wanted,
 )
+from vehicledyn.analyses.sensitivity.steps import check_size
 from vehicledyn.analyses.sensitivity.subjects.motion_law import GivenMotion
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.step_memory import Memory

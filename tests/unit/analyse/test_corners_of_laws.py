@@ -1,0 +1,154 @@
+"""Derivatives of motions that pass corners and jumps of laws, against closed forms."""
+
+import numpy as np
+import pytest
+from solve_examples import build, symbols
+from test_motion_gradients import followed
+
+from vehicledyn.analyse.gradients.corner_functions import CornerFunctions
+from vehicledyn.kernel.engine import Method
+from vehicledyn.kernel.tangent_code import Grid
+from vehicledyn.symbolic import ops
+from vehicledyn.symbolic.equations import Block, with_tables
+from vehicledyn.symbolic.tables import CurveTable
+
+pytestmark = pytest.mark.usefixtures("needs_compiler")
+
+STEPS = Grid(Method.RK4, 0.0, 0.01, 40)
+
+
+def pushed():
+    """A mass: pushed from a time on, kicked from a place on and stopped from another on.
+
+    Both places are compared with an unknown that is the mass's.
+    """
+    t, x, v, w = symbols("t", "x", "v", "w")
+    names = "mass", "push", "on", "kick", "edge", "stop", "gap"
+    mass, push, on, kick, edge, stop, gap = parameters = symbols(*names)
+    force = ops.where(t > on, push, 0.0) + ops.where(w > edge, kick, 0.0)
+    return build(
+        "pushed",
+        time=t,
+        states=[(x, 0.0), (v, 1.0)],
+        rates=[v, (force - stop * ops.maximum(w - gap, 0.0)) / mass],
+        parameters=list(
+            zip(parameters, (1.3, 8.0, 0.0337, -5.0, 0.071, 900.0, 0.118), strict=True)
+        ),
+        outputs=[("x", x), ("v", v)],
+        unknowns=[(w, 0.0)],
+        residuals=[w + 0.1 * w**3 - x - 0.1 * x**3],
+        blocks=(Block("w", 0, 1, 1e-12),),
+        positions=(0,),
+        velocities=(1,),
+    )
+
+
+def pushed_to(time, mass, push, on, kick, edge, stop, gap):
+    """Return place and speed of the mass in the stop, in closed form."""
+    x, v, begin = on, 1.0, on
+    for force, place in ((push, edge), (push + kick, gap)):
+        later = np.sqrt(v**2 + 2.0 * force / mass * (place - x))
+        begin, x, v = begin + (later - v) * mass / force, place, later
+    frequency, rest = np.sqrt(stop / mass), gap + (push + kick) / stop
+    phase = frequency * (time - begin)
+    turned = (x - rest) * np.cos(phase) + v / frequency * np.sin(phase)
+    return rest + turned, v * np.cos(phase) - (x - rest) * frequency * np.sin(phase)
+
+
+def complex_steps(function, values):
+    """Return the derivatives of two numbers by all values."""
+    columns = []
+    for k in range(len(values)):
+        moved = np.array(values, dtype=complex)
+        moved[k] += 1e-40j
+        columns.append([item.imag / 1e-40 for item in function(*moved)])
+    return np.array(columns).T
+
+
+def test_derivatives_behind_corners_and_jumps_are_those_of_the_motion():
+    """Whole steps over them miss these by some per cent."""
+    equations = pushed()
+    motion = followed(equations, STEPS, 16)
+    values = [p.value for p in equations.parameters]
+    assert motion.values[-1] == pytest.approx(pushed_to(0.16, *values), rel=1e-9)
+    exact = complex_steps(lambda *p: pushed_to(0.16, *p), values)
+    assert motion.slopes[-1] == pytest.approx(exact, rel=1e-8)
+    assert [corner.time for corner in motion.corners] == pytest.approx(
+        [0.0335, 0.06725, 0.105], abs=1e-9
+    )
+    assert max(corner.missed for corner in motion.corners) > 1e-6
+
+
+def lined(third):
+    """A mass on a spring of straight lines, by a table; the first line has a slope of 40."""
+    t, x, v, m = symbols("t", "x", "v", "m")
+    rows = np.array([[0.0, 4.0], [4.0, 9.0], [13.0, third]])
+    table = CurveTable("lines", 0.0, 0.1, rows)
+    equations = build(
+        "lined",
+        time=t,
+        states=[(x, 0.05), (v, 1.5)],
+        rates=[v, -table.value(x) / m],
+        parameters=[(m, 0.8)],
+        outputs=[("x", x), ("v", v)],
+        positions=(0,),
+        velocities=(1,),
+    )
+    return with_tables(equations), table
+
+
+def lined_to(time, m, x, v):
+    """Return place and speed on the second line."""
+    for slope, rest, end in ((40.0, 0.0, 0.1), (90.0, 0.1 - 4.0 / 90.0, None)):
+        frequency = np.sqrt(slope / m)
+        size = np.sqrt((x - rest) ** 2 + (v / frequency) ** 2)
+        begin = np.arcsin((x - rest) / size)
+        if end is None:
+            phase = begin + frequency * time
+            return rest + size * np.sin(phase), size * frequency * np.cos(phase)
+        phase = np.arcsin((end - rest) / size)
+        time, x, v = time - (phase - begin) / frequency, end, size * frequency * np.cos(phase)
+    return None
+
+
+def test_tables_of_straight_lines_have_corners():
+    """Where the slope changes; splines have none."""
+    equations, _ = lined(9.0)
+    motion = followed(equations, STEPS, 8, by_state=[0, 1])
+    exact = complex_steps(lambda *p: lined_to(0.08, *p), (0.8, 0.05, 1.5))
+    assert motion.slopes[-1] == pytest.approx(exact, rel=1e-8)
+    assert len(motion.corners) == 1
+    functions = CornerFunctions(equations)
+    assert list(functions.is_table) == [True]
+    places = functions.along(
+        np.zeros(3), np.array([[0.05, 0.0], [0.1, 0.0], [9.0, 0.0]]), np.zeros((3, 0)), np.ones(1)
+    )
+    assert places.ravel() == pytest.approx([1.5, 2.0, 4.0])
+    smooth = CurveTable.through("smooth", 0.0, 0.1, [0.0, 1.0, 0.0, 2.0])
+    x = ops.symbol("x")
+    equations = build(
+        "s",
+        time=ops.symbol("t"),
+        states=[(x, 0.0)],
+        rates=[smooth.value(x)],
+        parameters=[],
+        outputs=[],
+    )
+    assert CornerFunctions(with_tables(equations)).count == 0
+
+
+def test_a_motion_that_is_smooth_across_a_corner_of_its_laws_is_not_divided():
+    """That of |x| x, whose slope does not jump; its steps stay as they are."""
+    t, x, v, k = symbols("t", "x", "v", "k")
+    equations = build(
+        "bent",
+        time=t,
+        states=[(x, -0.1), (v, 1.0)],
+        rates=[v, -k * ops.absolute(x) * x],
+        parameters=[(k, 30.0)],
+        outputs=[("x", x)],
+        positions=(0,),
+        velocities=(1,),
+    )
+    motion = followed(equations, STEPS, 20)
+    assert motion.corners == []
