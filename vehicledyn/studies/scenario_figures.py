@@ -16,12 +16,13 @@ from vehicledyn.analyses.sensitivity.known_analyses import ANALYSES, RUN, analys
 from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
 from vehicledyn.analyses.sensitivity.names import RequestedNames, directions, named_channels, wanted
 from vehicledyn.base.errors import InputError, NumericalError
+from vehicledyn.base.problems import Place
 from vehicledyn.base.step_memory import Memory
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.results.tables.sensitivity_table import SensitivityTable
 from vehicledyn.studies.known_names import Parameters, parameters_of
-from vehicledyn.studies.mistakes import silent
+from vehicledyn.studies.mistakes import Mistakes, silent
 from vehicledyn.studies.refused_values import written
 
 _LISTED = 4
@@ -250,28 +251,56 @@ class AnalysisFigures:
 
 
 def figures_of(
-    loaded: LoadedScenario, names: Sequence[str], progress: Progress
+    mistakes: Mistakes,
+    loaded: LoadedScenario,
+    places: Mapping[str, Place],
+    progress: Progress,
 ) -> list[ScenarioFigures]:
-    """Return figures of a scenario by their names, analysis by analysis.
+    """Return figures of a scenario, analysis by analysis; what is wrong with them is noted.
 
-    Names of figures of the run were checked.
+    Parameters
+    ----------
+    mistakes
+        What is wrong in the study so far.
+    loaded
+        The scenario.
+    places
+        Names of the figures, those of the run checked, and where the study gives them.
+    progress
+        Called with what is going on.
 
     Raises
     ------
-    InputError
-        If another name means nothing.
     NumericalError
         If the run or an analysis fails.
     """
     found: list[ScenarioFigures] = []
-    for kind in dict.fromkeys(analysis_of(name) for name in names):
-        own = [name for name in names if analysis_of(name) == kind]
+    for kind in dict.fromkeys(analysis_of(name) for name in places):
+        own = [name for name in places if analysis_of(name) == kind]
         if kind == RUN:
             found.append(RunFigures.of(loaded, own, progress))
-        else:
-            progress(f"preparing {kind}", None)
+            continue
+        progress(f"preparing {kind}", None)
+        try:
             found.append(AnalysisFigures.of(loaded, kind, own))
+        except InputError as error:
+            wrong = _wrong_alone(loaded, kind, own) or {own[0]: str(error)}
+            for name, words in wrong.items():
+                mistakes.wrong(places[name], words, at_key=len(places[name]) > 1)
+            if right := [name for name in own if name not in wrong]:
+                found.append(AnalysisFigures.of(loaded, kind, right))
     return found
+
+
+def _wrong_alone(loaded: LoadedScenario, kind: str, names: Sequence[str]) -> dict[str, str]:
+    """Return what is wrong with each figure of an analysis that is no figure on its own."""
+    wrong = {}
+    for name in names:
+        try:
+            AnalysisFigures.of(loaded, kind, [name])
+        except InputError as error:
+            wrong[name] = str(error)
+    return wrong
 
 
 def _table(

@@ -341,6 +341,21 @@ def test_figures_of_analyses_are_checked(tmp_path, figure, match):
         vd.optimise(path)
 
 
+def test_of_names_that_overlap_the_pattern_is_blamed(tmp_path):
+    """Not the name before it, which stands for one figure; variables are checked all the same."""
+    text = RIG.replace("rig(wheel.camber_gain, parallel, 20 mm)", "rig(wheel.toe*, parallel)")
+    path = study(tmp_path, text.replace("upper.front.z", "upper.*.z"))
+    (tmp_path / "run.yaml").write_text(
+        SCENARIO.replace("quarter_car", "double_wishbone_suspension"), encoding="utf-8"
+    )
+    with pytest.raises(InputError) as refused:
+        vd.optimise(path)
+    variable, figure, count = str(refused.value).splitlines()
+    assert f"{path}:5:3: variables.upper.*.z" in variable and "no parameter" in variable
+    assert f"{path}:8:3: least_squares.rig(wheel.toe*, parallel)" in figure
+    assert count.startswith("2 problems")
+
+
 @pytest.mark.parametrize(("optimality", "told"), [(1e-3, False), (0.11, True)])
 def test_an_end_with_a_gradient_left_is_told(optimality, told):
     """Such as where a figure jumps."""

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.analyse.optimise import Values
 from vehicledyn.analyses.preparation.prepared import Progress
-from vehicledyn.base.errors import InputError, NumericalError
+from vehicledyn.base.errors import NumericalError
 from vehicledyn.base.step_memory import Memory
 from vehicledyn.base.units import to_si
 from vehicledyn.studies.mistakes import silent
@@ -270,17 +270,14 @@ class Problem:
 def _parts(study: OptimisationStudy, progress: Progress) -> list[_Part]:
     """Return the figures of a study, scenario by scenario and analysis by analysis.
 
-    Raises
-    ------
-    InputError
-        If a name means nothing.
+    What is wrong with them is noted.
     """
     parts: list[_Part] = []
-    for scenario, names in study.figures_by_scenario().items():
+    mistakes, places = study.form.mistakes, study.places_of_figures()
+    for scenario, figures in study.figures_by_scenario().items():
         loaded, head = study.scenarios[scenario], f"{scenario}/" if scenario else ""
         progress(f"preparing {loaded.title}", None)
-        try:
-            parts += [_Part(own, head) for own in figures_of(loaded, list(names), progress)]
-        except InputError as error:
-            raise InputError(f"{study.form.path}: {error}") from None
+        with mistakes.at("scenarios", *[scenario] * bool(scenario)):
+            own = {name: places[figure] for name, figure in figures.items()}
+            parts += [_Part(item, head) for item in figures_of(mistakes, loaded, own, progress)]
     return parts

@@ -12,14 +12,15 @@ from numpy.typing import NDArray
 
 from vehicledyn.analyse.uncertainty import Distribution, Spread
 from vehicledyn.analyses.preparation.prepared import Progress
-from vehicledyn.base.errors import InputError, NumericalError
+from vehicledyn.analyses.sensitivity.known_analyses import analysis_of
+from vehicledyn.base.errors import NumericalError
 from vehicledyn.base.step_memory import Memory, Shelf
 from vehicledyn.base.units import to_si
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.studies.mistakes import Mistakes
 from vehicledyn.studies.scenario_figures import ScenarioFigures, figures_of
-from vehicledyn.studies.uncertainty.checks import check_limits, read_laws
+from vehicledyn.studies.uncertainty.checks import check_limits, places_of, read_laws
 from vehicledyn.studies.uncertainty.report import Risk, UncertaintyReport
 
 Floats = NDArray[np.float64]
@@ -71,12 +72,12 @@ class Cases:
         InputError
             If anything is wrong with them.
         """
-        found: list[ScenarioFigures] = []
-        with mistakes.at("of"):
-            found = figures_of(loaded, of, progress)
-            if len(found) != 1:
-                raise InputError("name figures of one analysis, of the run or another one")
-        mistakes.refuse()
+        if len({analysis_of(name) for name in of}) != 1:
+            mistakes.wrong(("of",), "name figures of one analysis, of the run or another one")
+            mistakes.refuse()
+        found = figures_of(mistakes, loaded, places_of(mistakes, of), progress)
+        if not found:
+            mistakes.refuse()
         laws = read_laws(mistakes, loaded, parameters, found[0].parameters, found[0].model)
         check_limits(mistakes, limits, found[0].units)
         mistakes.refuse()

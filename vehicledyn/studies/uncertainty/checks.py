@@ -55,14 +55,14 @@ def note_mistakes(
             units: dict[str, str | None] = dict.fromkeys(of)
             check_limits(mistakes, limits, units | known.figure_units(own))
             for name, words in wrong_figures(loaded, own, progress).items():
-                mistakes.wrong(_place(mistakes, list(of).index(name)), words)
+                mistakes.wrong(places_of(mistakes, of)[name], words)
 
 
-def _place(mistakes: Mistakes, number: int) -> Place:
-    """Return where a figure of a study stands."""
+def places_of(mistakes: Mistakes, of: Sequence[str]) -> dict[str, Place]:
+    """Return where a study names its figures."""
     document = mistakes.document
     is_list = document is not None and isinstance(document.data["of"], list)
-    return ("of", number) if is_list else ("of",)
+    return {name: ("of", number) if is_list else ("of",) for number, name in enumerate(of)}
 
 
 def check_method(mistakes: Mistakes, method: str, number: int, limits: Mapping[str, Any]) -> None:
