@@ -107,7 +107,7 @@ def test_jumps_that_are_no_events_move_with_the_parameters():
     found = vd.sensitivity("geneva_drive", "driver.angle_rate", "motor.*", **settings)
     assert not any("warning" in note for note in found.notes)
     assert any("corners of laws" in note for note in found.notes)
-    before = settings | {"duration": "0.1 s"}
+    before = settings | {"duration": "0.05 s"}
     smooth = vd.sensitivity("geneva_drive", "driver.angle_rate", "motor.*", **before)
     assert not any("divided" in note for note in smooth.notes)
 
