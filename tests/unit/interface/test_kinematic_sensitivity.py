@@ -56,6 +56,19 @@ def test_bump_steer_follows_the_hardpoints():
     assert found == pytest.approx(exact, abs=1e-9 * np.abs(exact).max())
 
 
+def test_swing_axes_are_those_of_two_drives():
+    """As the sweep finds them; their derivatives are walked with those of other axes."""
+    drives = {"wheel.z": "0.3 m", "rack.displacement": "2 mm"}
+    run = vd.kinematics("double_wishbone_suspension", drives)
+    of = "kinematics(swing.wheel.side_centre_x, wheel.z, 0.3 m, rack.displacement=2 mm)"
+    found = vd.sensitivity("double_wishbone_suspension", of, "*.z")
+    assert found["figure_value"].values[0] == run["swing.wheel.side_centre_x"].values[0]
+    assert found["figure"].values[0].endswith("at wheel.z = 0.3 m, rack.displacement = 2 mm")
+    twice = of.replace("=2 mm", "=1 mm:2 mm:1")
+    with pytest.raises(InputError, match="only the first drive takes a range"):
+        vd.sensitivity("double_wishbone_suspension", twice)
+
+
 @pytest.mark.parametrize(
     ("of", "to", "match"),
     [
@@ -66,6 +79,8 @@ def test_bump_steer_follows_the_hardpoints():
         ("kinematics(rocker.angle, crank.angle, 0 deg)", "grond", "did you mean 'ground'"),
         ("kinematics(ratio.x.rocker.angle, crank.angle, 0 deg)", "*", "along the drive"),
         ("kinematics(swing.wheel.roll_centre_z, crank.angle, 0 deg)", "*", "needs two drives"),
+        ("kinematics(rocker.angle, crank.angle, 0 deg, crank.angle=1 deg)", "*", "given twice"),
+        ("kinematics(rocker.angle, crank.angle, 0 deg, wheel.z=1 mm)", "*", "no .*'wheel.z'"),
         (["kinematics(rocker.angle, crank.angle, 0 deg)", "eigenvalues"], "*", "one after the"),
     ],
 )

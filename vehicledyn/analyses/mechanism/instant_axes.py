@@ -118,7 +118,7 @@ def axis_values(wheel: WheelColumns, values: Array, ratios: Array) -> list[Any]:
     return [*_steering(wheel, values, *line), *_centres(wheel, values, *line)[:-1], height]
 
 
-def swing_values(wheel: WheelColumns, values: Array, first: Array, second: Array) -> list[float]:
+def swing_values(wheel: WheelColumns, values: Array, first: Array, second: Array) -> list[Any]:
     """Return the quantities of the swing axis, not numbers where there is none.
 
     ``first`` and ``second`` are the velocity ratios by the two drives, as for ``axis_values``.
@@ -127,23 +127,33 @@ def swing_values(wheel: WheelColumns, values: Array, first: Array, second: Array
     moves = [ratios[list(wheel.moving)] for ratios in (first, second)]
     nothing = [float("nan")] * len(CENTRES)
     # (a ω₁ + b ω₂) · (a v₁ + b v₂) = 0 with (a, b) on the unit circle.
-    squares = [float(w @ v) for w, v in zip(turns, moves, strict=True)]
-    mixed = float(turns[0] @ moves[1] + turns[1] @ moves[0])
+    squares = [w @ v for w, v in zip(turns, moves, strict=True)]
+    mixed = turns[0] @ moves[1] + turns[1] @ moves[0]
     mean, half = 0.5 * (squares[0] + squares[1]), 0.5 * (squares[0] - squares[1])
-    size = float(np.hypot(half, 0.5 * mixed))
-    if not size > 0.0 or abs(mean) > size:
+    size = np.sqrt(half * half + 0.25 * mixed * mixed)
+    if not size.real > 0.0 or abs(mean.real) > size.real:
         return nothing
-    middle, spread = np.arctan2(0.5 * mixed, half), np.arccos(-mean / size)
+    middle = _angle(0.5 * mixed, half)
+    spread = _angle(np.sqrt(size * size - mean * mean), -mean)
     lines = []
     for angle in (0.5 * (middle + spread), 0.5 * (middle - spread)):
-        a, b = float(np.cos(angle)), float(np.sin(angle))
+        a, b = np.cos(angle), np.sin(angle)
         parts = (a * turns[0] + b * turns[1], a * moves[0] + b * moves[1])
         line = _line(values[list(wheel.contact)], *parts)
         if line is not None:
             lines.append(line)
     if not lines:
         return nothing
-    return _centres(wheel, values, *min(lines, key=lambda line: float(line[1][2])))
+    return _centres(wheel, values, *min(lines, key=lambda line: float(line[1][2].real)))
+
+
+def _angle(across: Any, along: Any) -> Any:
+    """Return the angle of a direction, also of one a small step into the complex plane [rad]."""
+    y, x = np.real(across), np.real(along)
+    angle = np.arctan2(y, x)
+    if not (np.iscomplexobj(across) or np.iscomplexobj(along)):
+        return angle
+    return angle + 1j * (x * np.imag(across) - y * np.imag(along)) / (x * x + y * y)
 
 
 def _line(contact: Array, axis: Array, speed: Array) -> tuple[Array, Array] | None:

@@ -14,7 +14,7 @@ into the complex plane carries these derivatives.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -25,7 +25,12 @@ from numpy.typing import NDArray
 from vehicledyn.analyse.continuation import PathOutcome, SingularPlace
 from vehicledyn.analyses.mechanism.axle_characteristics import axle_columns
 from vehicledyn.analyses.mechanism.driven_mechanism import Mechanism, mechanism
-from vehicledyn.analyses.mechanism.instant_axes import axis_channels, axis_values
+from vehicledyn.analyses.mechanism.instant_axes import (
+    axis_channels,
+    axis_values,
+    swing_channels,
+    swing_values,
+)
 from vehicledyn.analyses.mechanism.kinematics import moving_wheels, ratio_channel
 from vehicledyn.analyses.mechanism.mechanism_path import Drive, run_sweep
 from vehicledyn.analyses.preparation.build_model import build_subject
@@ -46,12 +51,16 @@ from vehicledyn.symbolic.equations import Channel
 Floats = NDArray[np.float64]
 Numbers = NDArray[Any]
 
-_NAME = re.compile(r"kinematics\(([^,]+),([^,]+),([^,]+)\)")
+_NAME = re.compile(r"kinematics\(([^,]+),([^,]+),([^,=]+)((?:,[^,=]+=[^,=]+)*)\)")
+_FORM = "kinematics(CHANNEL, DRIVE, -60 mm:60 mm:4), and further drives such as rack=0 mm behind it"
 _SINGULAR = 1e-10
 """Part of the largest singular value of the rows below which a place is singular."""
 
 _ASIDE = 1e-40j
 """Step into the complex plane, so small that its square is nothing."""
+
+_SWINGING = 2
+"""Drives between whose motions a swing axis lies."""
 
 KINDS = PathOutcome, SingularPlace
 """Results of steps that a memory knows."""
@@ -67,7 +76,8 @@ def find_kinematic_sensitivity(
     target
         A scenario or model.
     of
-        Names such as ``kinematics(wheel.toe, wheel.height, -60 mm:60 mm:4)``.
+        Names such as ``kinematics(wheel.toe, wheel.height, -60 mm:60 mm:4)``, with further drives
+        and the values that they are held at, such as ``rack=0 mm``.
     to
         Patterns of parameters.
     progress
@@ -88,22 +98,21 @@ def find_kinematic_sensitivity(
     positions = Positions(system)
     chosen = matching([entry.name for entry in positions.parameters], to, system.name)
     figures, values, slopes = [], [], []
-    for (channel, drive, text), name in zip(asked, of, strict=True):
-        machine, places = _driven(positions, drive, text, name)
-        drawn = _Drawn.of(system, machine, channel, name)
-        swept = run_sweep(
-            machine, [Drive(drive, places)], together=False, progress=progress, memory=memory
-        )
+    for item in asked:
+        machine, drives = _driven(positions, item)
+        drawn = _Drawn.of(system, machine, item.channel, item.name)
+        swept = run_sweep(machine, drives, together=False, progress=progress, memory=memory)
         if swept.failures:
             raise NumericalError(swept.failures[0].words)
         own = positions.channels[machine.drives[0]]
-        for sample, place in zip(swept.samples, places, strict=True):
-            figure = f"{channel} at {drive} = {shown(place, own.unit)}"
+        also = "".join(f", {name} = {text}" for name, text in item.held)
+        for sample, place in zip(swept.samples, drives[0].values, strict=True):
+            figure = f"{item.channel} at {own.name} = {shown(place, own.unit)}{also}"
             figures.append(Quantity(figure, drawn.channel.unit, drawn.channel.description))
-            given = drive, sample.coordinates, drawn.has_ratios
+            given = [d.channel for d in drives], sample.coordinates, drawn.has_ratios
             find = partial(_slopes, machine, *given[1:])
             moved = memory.recall_or_raise("slopes", given, find)
-            value, slope = drawn.at(sample.values, sample.ratios[0], *moved)
+            value, slope = drawn.at(sample.values, sample.ratios, *moved)
             values.append(value)
             slopes.append(slope[chosen])
     entries = [positions.parameters[k] for k in chosen]
@@ -123,7 +132,7 @@ class _Drawn:
     """A figure of a place: its channel, and what it is drawn from.
 
     ``value`` takes the channels (n_channels,) and, if ``has_ratios``, their velocity ratios and
-    those of the speeds (n_channels + n_speeds,), and is analytic in them.
+    those of the speeds by each drive (n_drives, n_channels + n_speeds), and is analytic in them.
     """
 
     channel: Channel
@@ -140,32 +149,37 @@ class _Drawn:
             If it means none.
         """
         positions = machine.positions
-        drive = positions.channels[machine.drives[0]]
+        driven = [positions.channels[k] for k in machine.drives]
         names = [c.name for c in positions.channels]
         if channel in names:
             row = names.index(channel)
             return cls(positions.channels[row], lambda values, _: values[row], False)
         known: dict[str, _Drawn] = {}
 
-        def offer(about: Channel, number: int, family: Callable[..., Any]) -> None:
-            known[about.name] = cls(about, lambda *at: complex(family(*at)[number]))
+        def offer(abouts: Iterable[Channel], family: Callable[..., Any]) -> None:
+            for k, about in enumerate(abouts):
+                known[about.name] = cls(about, lambda *at, k=k: complex(family(*at)[k]))
 
-        for k, item in enumerate((*positions.channels, *positions.speeds)):
-            offer(ratio_channel(drive, item), k, lambda _, ratios: ratios)
         sensors = [part for part in system.parts if isinstance(part, WheelAngles)]
-        for wheel in moving_wheels(sensors, positions):
-            for k, about in enumerate(axis_channels(drive.name, wheel)):
-                offer(about, k, partial(axis_values, wheel))
         axles = axle_columns([s.name for s in sensors], positions.channels, positions.speeds)
-        for k, about in enumerate(axles.channels(drive.name)):
-            offer(about, k, axles.values)
+        wheels = moving_wheels(sensors, positions)
+        everything = (*positions.channels, *positions.speeds)
+        for d, drive in enumerate(driven):
+            offer((ratio_channel(drive, c) for c in everything), lambda _, r, d=d: r[d])
+            for w in wheels:
+                offer(axis_channels(drive.name, w), lambda v, r, d=d, w=w: axis_values(w, v, r[d]))
+            offer(axles.channels(drive.name), lambda v, r, d=d: axles.values(v, r[d]))
+        for w in wheels if len(driven) == _SWINGING else ():
+            offer(swing_channels(w), lambda v, r, w=w: swing_values(w, v, *r))
         if channel in known:
             return known[channel]
         why = unknown_name("channel of positions", channel, [*names, *known])
-        if channel.startswith("swing."):
-            why = "a swing axis needs two drives; ask for the instant axis of one of them"
+        if channel.startswith("swing.") and len(driven) != _SWINGING:
+            why = "a swing axis needs two drives; name another one with its value behind the values"
         elif channel.startswith("ratio."):
-            why = f"velocity ratios are those along the drive, ratio.{drive.name}.CHANNEL; {why}"
+            why = (
+                f"velocity ratios are those along the drive, ratio.{driven[0].name}.CHANNEL; {why}"
+            )
         raise InputError(f"'{name}': {why}")
 
     def at(
@@ -173,7 +187,8 @@ class _Drawn:
     ) -> tuple[float, Floats]:
         """Return the value and its derivatives by all parameters.
 
-        ``by_parameter`` and ``turning`` are those of the channels, and of the velocity ratios.
+        ``by_parameter`` (n_channels, n_parameters) and ``turning`` (n_parameters, n_drives, n) are
+        those of the channels, and of the velocity ratios.
 
         Raises
         ------
@@ -183,7 +198,7 @@ class _Drawn:
         value = float(np.real(self.value(values, ratios)))
         if not np.isfinite(value):
             raise NumericalError(f"'{self.channel.name}' has no value at this place")
-        moved = zip(by_parameter.T, turning.T, strict=True)
+        moved = zip(by_parameter.T, turning, strict=True)
         slopes = [
             self.value(values + _ASIDE * first, ratios + _ASIDE * second) for first, second in moved
         ]
@@ -193,8 +208,8 @@ class _Drawn:
 def _slopes(machine: Mechanism, q: Floats, has_ratios: bool) -> tuple[Floats, Floats]:
     """Return the derivatives of channels and velocity ratios by all parameters.
 
-    Shapes (n_channels, n_parameters), and (n_channels + n_speeds, n_parameters), the latter not
-    numbers where they are not wanted.
+    Shapes (n_channels, n_parameters), and (n_parameters, n_drives, n_channels + n_speeds), the
+    latter not numbers where they are not wanted.
 
     Raises
     ------
@@ -223,14 +238,18 @@ def _slopes(machine: Mechanism, q: Floats, has_ratios: bool) -> tuple[Floats, Fl
     found = np.asarray(by_parameter + slopes[:, moving] @ follow, dtype=float)
     if not has_ratios:
         n = len(slopes) + len(positions.speeds)
-        return found, np.full((n, found.shape[1]), np.nan)
+        return found, np.full((found.shape[1], len(machine.drives), n), np.nan)
     everything = started.copy()
     everything[moving] = follow
-    return found, _ratio_slopes(machine, q, rows, everything)
+    every = range(len(machine.drives))
+    turning = [_ratio_slopes(machine, q, rows, everything, drive=drive) for drive in every]
+    return found, np.stack(turning).transpose(2, 0, 1)
 
 
-def _ratio_slopes(machine: Mechanism, q: Floats, rows: Floats, by_parameter: Floats) -> Floats:
-    """Return the derivatives of all velocity ratios along the drive by all parameters.
+def _ratio_slopes(
+    machine: Mechanism, q: Floats, rows: Floats, by_parameter: Floats, *, drive: int
+) -> Floats:
+    """Return the derivatives of all velocity ratios along a drive by all parameters.
 
     ``rows`` are derivatives of loops and drives by the moving coordinates, ``by_parameter`` those
     of all coordinates (n_coordinates, n_parameters).
@@ -238,7 +257,7 @@ def _ratio_slopes(machine: Mechanism, q: Floats, rows: Floats, by_parameter: Flo
     positions, moving = machine.positions, list(machine.moving)
     tangent = np.zeros(len(q))
     unit = np.zeros(len(rows))
-    unit[machine.gaps] = 1.0
+    unit[machine.gaps + drive] = 1.0
     tangent[moving] = np.linalg.lstsq(rows, unit, rcond=None)[0]
     by_coordinate, direct = positions.slopes_along(q, tangent)
     turned = by_coordinate @ by_parameter + direct
@@ -249,21 +268,41 @@ def _ratio_slopes(machine: Mechanism, q: Floats, rows: Floats, by_parameter: Flo
     return np.asarray(channels + slopes @ turning, dtype=float)
 
 
-def _driven(
-    positions: Positions, drive: str, text: str, name: str
-) -> tuple[Mechanism, tuple[float, ...]]:
-    """Return the mechanism that a channel drives, and the values that it is given."""
+@dataclass(frozen=True)
+class _Asked:
+    """What a name asks for: a channel at values of a drive, further drives held at a value."""
+
+    name: str
+    channel: str
+    drive: str
+    values: str
+    held: tuple[tuple[str, str], ...]
+
+
+def _driven(positions: Positions, asked: _Asked) -> tuple[Mechanism, list[Drive]]:
+    """Return the mechanism that channels drive, and the values that they are given."""
     units = {c.name: c.unit for c in positions.channels}
     try:
-        machine = mechanism(positions, [drive])
-        return machine, tuple(read_range(text).values(units[drive]))
+        machine = mechanism(positions, [asked.drive, *(name for name, _ in asked.held)])
+        drives = [Drive(asked.drive, tuple(read_range(asked.values).values(units[asked.drive])))]
+        for name, text in asked.held:
+            values = read_range(text).values(units[name])
+            if len(values) > 1:
+                raise InputError(f"{name}: give one value; only the first drive takes a range")
+            drives.append(Drive(name, tuple(values)))
+        return machine, drives
     except InputError as error:
-        raise InputError(f"'{name}': {error}") from None
+        raise InputError(f"'{asked.name}': {error}") from None
 
 
-def _parsed(name: str) -> tuple[str, str, str]:
-    """Return channel, drive and values of a name."""
+def _parsed(name: str) -> _Asked:
+    """Return channel, drive and values of a name, and further drives."""
     match = _NAME.fullmatch(name)
     if match is None:
-        raise InputError(f"'{name}': write kinematics(CHANNEL, DRIVE, -60 mm:60 mm:4)")
-    return match[1].strip(), match[2].strip(), match[3].strip()
+        raise InputError(f"'{name}': write {_FORM}")
+    channel, drive, values, others = (part.strip() for part in match.groups())
+    held = [part.partition("=") for part in others.split(",") if part.strip()]
+    pairs = tuple((key.strip(), value.strip()) for key, _, value in held)
+    if len({drive, *(key for key, _ in pairs)}) <= len(pairs):
+        raise InputError(f"'{name}': a drive is given twice")
+    return _Asked(name, channel, drive, values, pairs)
