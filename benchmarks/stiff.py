@@ -23,7 +23,7 @@ from vehicledyn.base.registry import find
 from vehicledyn.files.scenario import load_scenario
 from vehicledyn.integrate.simulate import simulate
 from vehicledyn.kernel.make_kernel import compile_kernel
-from vehicledyn.multibody import GROUND, Attachment, Body, Joint, Link, ParameterTable, System
+from vehicledyn.multibody import GROUND, Attachment, Body, Joint, ParameterTable, PointForce, System
 from vehicledyn.multibody import derive as derive_equations
 
 SCENARIOS = Path(__file__).resolve().parents[1] / "scenarios"
@@ -61,7 +61,7 @@ def row(n=40, stiffness=1e6, damping=2e3):
     def law(length, rate):
         return stiffness * (length - 1.0) + damping * rate
 
-    springs = tuple(Link(f"s{k}", a, b, law) for k, (a, b) in enumerate(pairwise(ends)))
+    springs = tuple(PointForce(f"s{k}", a, b, law) for k, (a, b) in enumerate(pairwise(ends)))
     return System("row", ParameterTable(), tuple(bodies), (), springs, (0.0, 0.0, 0.0))
 
 

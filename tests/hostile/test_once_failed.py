@@ -19,7 +19,7 @@ from harness import Case, run
 
 from vehicledyn.analyses.sensitivity.steps import check_size
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.files.column_files import Column, read_columns
+from vehicledyn.base.files.column_files import ColumnKind, read_columns
 from vehicledyn.base.slope_text import slope_of
 from vehicledyn.base.units import parse_unit, to_si
 from vehicledyn.files.expressions.algebra import ExpressionError
@@ -741,7 +741,7 @@ def read_columns_of(text):
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder, "a.csv")
         file.write_text(text)
-        return read_columns(file, {"x": Column("m")})
+        return read_columns(file, {"x": ColumnKind("m")})
 
 
 def refuse():

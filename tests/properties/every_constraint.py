@@ -20,7 +20,7 @@ from random_systems import (
 from vehicledyn.files.building.construct import build_system
 from vehicledyn.files.system.read import read_system
 from vehicledyn.multibody.elements.drives import ConstantRate, TimeLaw
-from vehicledyn.multibody.elements.point_forces import Attachment, Link
+from vehicledyn.multibody.elements.point_forces import Attachment, PointForce
 from vehicledyn.multibody.elements.rolling import RollingWheel
 from vehicledyn.multibody.elements.transmissions import Belt, Gears, LeadScrew, Rack
 from vehicledyn.multibody.model.constraints import RateConstraint, UserConstraint
@@ -59,7 +59,9 @@ def sections():
     parts = (
         Wind("wind", "two"),
         Motor("motor", "four.q0"),
-        Link("spring", Attachment("base", b.point()), Attachment("seven", (0.9, 0.8, 0.3)), pull),
+        PointForce(
+            "spring", Attachment("base", b.point()), Attachment("seven", (0.9, 0.8, 0.3)), pull
+        ),
     )
     # Ten constraints are entangled; off them only partitioned coordinates solve for the others.
     return replace(b.system("sections", cuts, parts), constraint_method="partitioning")

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from vehicledyn.multibody.elements.drives import TimeLaw
-from vehicledyn.multibody.elements.point_forces import Attachment, Link
+from vehicledyn.multibody.elements.point_forces import Attachment, PointForce
 from vehicledyn.multibody.model.bodies import Body, Joint, Turn
 from vehicledyn.multibody.model.cuts import BallCut, BodyCut, RodCut
 from vehicledyn.multibody.model.ground import GROUND
@@ -156,14 +156,16 @@ def tree(seed):
         Wind("wind", "second"),
         Motor("motor", "second.q0"),
         TimeLaw("drive", "driven.q1", wave),
-        Link(
+        PointForce(
             "spring",
             Attachment("third", b.point()),
             Attachment("fourth", (1.3, 0.2, 0.1)),
             lambda z, v: 30.0 * (z - 0.6) + 4.0 * v + 0.5 * v * v * v,
         ),
-        Link("rope", Attachment(GROUND, b.point()), Attachment("second", (0.1, 0.2, 0.9)), pull),
-        Link(
+        PointForce(
+            "rope", Attachment(GROUND, b.point()), Attachment("second", (0.1, 0.2, 0.9)), pull
+        ),
+        PointForce(
             "guide",
             Attachment("first", b.point()),
             Attachment("driven", b.point()),
@@ -245,7 +247,7 @@ def spatial_loop(seed):
     parts = (
         TimeLaw("drive", "driven.q0", _law_from(b, "driven.q0")),
         Wind("wind", "right_end"),
-        Link(
+        PointForce(
             "spring", Attachment("base", b.point()), Attachment("left_end", (0.9, 0.9, 0.2)), pull
         ),
     )

@@ -8,7 +8,7 @@ import pytest
 from evaluation import Derived, derived
 from random_systems import CLOSED, JOINT_KINDS, Builder, Motor, Wind, each_with_seeds, pull, tree
 
-from vehicledyn.multibody.elements.point_forces import Attachment, Link
+from vehicledyn.multibody.elements.point_forces import Attachment, PointForce
 from vehicledyn.multibody.model.bodies import Body, Joint, Turn
 from vehicledyn.multibody.model.ground import GROUND
 from vehicledyn.multibody.model.kinematics import Kinematics
@@ -174,8 +174,10 @@ def floating(seed):
     b.add("three", "two", ("R3",), driven=True)
     b.add_wheel("wheel", "one", 2)
     parts = (
-        Link("spring", Attachment("one", b.point()), Attachment("two", (0.8, 0.9, 1.0)), pull),
-        Link(
+        PointForce(
+            "spring", Attachment("one", b.point()), Attachment("two", (0.8, 0.9, 1.0)), pull
+        ),
+        PointForce(
             "guide",
             Attachment("root", b.point()),
             Attachment("three", b.point()),
@@ -271,9 +273,9 @@ def test_power_of_a_link(kind, law, seed):
     b.add("two", "base", ("T3", "R2"))
     ends = Attachment("one", b.point()), Attachment("two", (1.0, 0.8, -0.9))
     part = (
-        Link("link", *ends, LAWS[law])
+        PointForce("link", *ends, LAWS[law])
         if kind == "link"
-        else Link("link", *ends, LAWS[law], direction=(0.48, 0.6, 0.64))
+        else PointForce("link", *ends, LAWS[law], direction=(0.48, 0.6, 0.64))
     )
     d = Derived(b.system("linked", parts=(part,)), seed)
     values = d.output

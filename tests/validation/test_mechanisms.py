@@ -16,9 +16,9 @@ from vehicledyn.multibody import (
     BasePart,
     Body,
     Joint,
-    Link,
     Loads,
     ParameterTable,
+    PointForce,
     RodCut,
     System,
     TimeLaw,
@@ -89,7 +89,7 @@ def andrews(case):
         BallCut(f"E{k}", "K2", (-n["d"], 0.0, 0.0), name, tip)
         for k, (name, tip) in enumerate(tips.items())
     )
-    spring = Link(
+    spring = PointForce(
         "spring",
         Attachment(GROUND, (n["xc"], n["yc"], 0.0)),
         Attachment("K3", (n["sd"], -n["sc"], 0.0)),
@@ -128,7 +128,7 @@ def car_axis(p):
 
     origin = (0.0, 0.0, 0.0)
     springs = tuple(
-        Link(
+        PointForce(
             f"spring_{name}",
             Attachment(to, origin),
             Attachment(name, origin),

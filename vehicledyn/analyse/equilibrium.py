@@ -147,7 +147,7 @@ def find_equilibrium(
     """
     if len(free) != len(balanced):
         raise ValueError(f"{len(free)} free states cannot balance {len(balanced)} rates")
-    problem = Balance(
+    problem = BalancedRates(
         kernel, derivatives or Derivatives(equations), time, list(free), list(balanced)
     )
     problem.start(state, unknowns)
@@ -180,7 +180,7 @@ def largest_steps(equations: Equations, free: Sequence[int]) -> Vector:
 
 
 @dataclass
-class Balance:
+class BalancedRates:
     """The balanced rates as a function of the free states, with closed loops."""
 
     kernel: Kernel
@@ -198,7 +198,7 @@ class Balance:
         if self._unknowns.size:
             self._follow = self._derive(self.state, self._unknowns).unknowns[:, self.free]
 
-    def at(self, time: float) -> Balance:
+    def at(self, time: float) -> BalancedRates:
         """Return the same at another time [s]; the loops are followed from here."""
         moved = copy(self)
         moved.time, moved._follow = time, self._follow.copy()
@@ -274,7 +274,7 @@ def _per_second(unit: str) -> str:
     return f"{unit}^2" if unit.endswith("/s") else f"{unit}/s"
 
 
-def _loose(equations: Equations, problem: Balance, point: Vector, worst: int) -> list[str]:
+def _loose(equations: Equations, problem: BalancedRates, point: Vector, worst: int) -> list[str]:
     """Return states that can move together without any rate taking notice, few at most.
 
     None are returned if that of the rate which is worst in balance is not among them.

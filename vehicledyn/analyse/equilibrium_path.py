@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from vehicledyn.analyse.equilibrium import Balance, EquilibriumPoint, largest_steps
+from vehicledyn.analyse.equilibrium import BalancedRates, EquilibriumPoint, largest_steps
 from vehicledyn.analyse.newton import NewtonResult, settle, solve_damped
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.kernel.derivatives import Slopes
@@ -70,7 +70,7 @@ def follow_equilibrium(
     ----------
     Allgower, Georg (1990), Numerical Continuation Methods, section 2.
     """
-    problem = Balance(kernel, derivatives, times[0], list(free), list(balanced))
+    problem = BalancedRates(kernel, derivatives, times[0], list(free), list(balanced))
     problem.start(begin.state, begin.unknowns)
     largest = largest_steps(equations, free)
     point, slope = problem.state[problem.free], np.zeros(len(free))
@@ -102,7 +102,7 @@ def follow_equilibrium(
 
 
 def _corrected(
-    problem: Balance, guess: Vector, tolerance: float, largest: Vector
+    problem: BalancedRates, guess: Vector, tolerance: float, largest: Vector
 ) -> NewtonResult | None:
     """Return the equilibrium near a guess, None if Newton's method finds none."""
     try:
@@ -120,7 +120,7 @@ def _corrected(
 
 
 def _settled(
-    problem: Balance, begin: Vector, tolerance: float, largest: Vector, longest: float
+    problem: BalancedRates, begin: Vector, tolerance: float, largest: Vector, longest: float
 ) -> NewtonResult:
     """Return where a strongly damped motion leads, nearly an equilibrium if not quite."""
     near = settle(problem.quickest, begin, longest=longest, largest_step=largest)

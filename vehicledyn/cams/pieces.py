@@ -27,7 +27,7 @@ _CELLS = 4096
 
 
 @dataclass(frozen=True)
-class Piece:
+class CurvePiece:
     """A part of a curve, with u from 0 to 1 over its width.
 
     y = Σ coefficients[k] uᵏ + Σ a sin(w u + φ) over the ``waves`` (a, w, φ)
@@ -61,19 +61,19 @@ class Piece:
             total = total + a * ops.sin(w * u + phase)
         return total
 
-    def changed(self, begin: float, width: float, factor: float, offset: float) -> Piece:
+    def changed(self, begin: float, width: float, factor: float, offset: float) -> CurvePiece:
         """Return the piece elsewhere, scaled and raised."""
         coefficients = [factor * c for c in self.coefficients]
         coefficients[0] += offset
         waves = tuple((factor * a, w, phase) for a, w, phase in self.waves)
-        return Piece(begin, width, tuple(coefficients), waves)
+        return CurvePiece(begin, width, tuple(coefficients), waves)
 
 
 @dataclass(frozen=True)
 class PieceCurve:
     """A curve of pieces that follow one another."""
 
-    pieces: tuple[Piece, ...]
+    pieces: tuple[CurvePiece, ...]
 
     @property
     def begin(self) -> float:
@@ -160,7 +160,7 @@ def hermite_table(name: str, places: Array, rows: Array) -> CurveTable:
     return CurveTable(name, float(places[0]), step, np.array(cells).T)
 
 
-def unit_curve(pieces: Sequence[Piece]) -> PieceCurve:
+def unit_curve(pieces: Sequence[CurvePiece]) -> PieceCurve:
     """Return a curve over 0 to 1 that begins at 0 and ends at 1, whatever its pieces begin with.
 
     The last value of the pieces must not be the first.
@@ -187,16 +187,16 @@ def from_accelerations(
         Width of each piece, in all 1, and its acceleration: a number, or (a, w, φ) of
         a sin(w u + φ) with u from 0 to 1 over the piece.
     """
-    pieces: list[Piece] = []
+    pieces: list[CurvePiece] = []
     begin = value = slope = 0.0
     for width, given in program:
         if isinstance(given, tuple):
             a, w, phase = given
             b = -a * width**2 / w**2
             start, rise = value - b * math.sin(phase), slope * width - b * w * math.cos(phase)
-            piece = Piece(begin, width, (start, rise), ((b, w, phase),))
+            piece = CurvePiece(begin, width, (start, rise), ((b, w, phase),))
         else:
-            piece = Piece(begin, width, (value, slope * width, 0.5 * given * width**2))
+            piece = CurvePiece(begin, width, (value, slope * width, 0.5 * given * width**2))
         pieces.append(piece)
         begin += width
         value, slope = piece.derivatives(np.array([begin]))[:2, 0].tolist()

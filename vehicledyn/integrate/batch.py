@@ -22,7 +22,7 @@ from vehicledyn.base.argument_names import given
 from vehicledyn.base.errors import InputError
 from vehicledyn.codegen.toolchain.compiler import CompilationError, suitable_lanes
 from vehicledyn.integrate.accuracy.lanes import LaneMonitor, lane_watch
-from vehicledyn.integrate.accuracy.windows import Grid
+from vehicledyn.integrate.accuracy.windows import StepGrid
 from vehicledyn.integrate.cases import CaseEnd, Cases, Plan, Samples
 from vehicledyn.integrate.channel_ranges import watched_channels
 from vehicledyn.integrate.fixed_step import steps_per_interval
@@ -254,7 +254,7 @@ def _abreast(batch: Batch, cases: Cases, samples: Samples, alone: SingleCase) ->
     plan, solver = alone.plan, alone.solver
     per_interval = steps_per_interval(getattr(solver, "step", 0.0), plan.interval)
     times = plan.start, plan.interval, per_interval, plan.n_samples - 1
-    grid = Grid.of(solver, *times)
+    grid = StepGrid.of(solver, *times)
     further = [] if alone.rates is None else list(alone.rates.channels)
     for first in range(0, len(cases), batch.lanes):
         group = cases.part(slice(first, first + batch.lanes))

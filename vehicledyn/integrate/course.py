@@ -44,7 +44,7 @@ class MethodState:
 
 
 @dataclass(frozen=True)
-class Course:
+class RunHistory:
     """Notes the history of a run; ``beginning`` is that of a continued one.
 
     ``note`` is given the time of the last sample delivered [s] and the numbers that the method

@@ -10,7 +10,7 @@ from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.integrate.accuracy.monitor import AccuracyMonitor
 from vehicledyn.integrate.accuracy.monitored_run import MethodAndStep, Rerun
 from vehicledyn.integrate.accuracy.proposed_step import proposed_step
-from vehicledyn.integrate.accuracy.windows import Grid, WindowStart
+from vehicledyn.integrate.accuracy.windows import StepGrid, WindowStart
 from vehicledyn.integrate.course import go_on_from, history_of
 from vehicledyn.integrate.events import Point
 from vehicledyn.integrate.judged_quantities import Judged
@@ -55,7 +55,7 @@ def run_fixed(task: Task, name: str, method: int, step: float | None) -> Statist
     per_interval = steps_per_interval(step, task.interval)
     watch = None
     if task.watched:
-        grid = Grid(method, task.start, task.interval, per_interval, task.n_intervals)
+        grid = StepGrid(method, task.start, task.interval, per_interval, task.n_intervals)
         watch = watch_of(task, grid, _taken_again)
     SampleBuffer(task, task.state, task.unknowns).flush()
     march = March(
@@ -125,7 +125,7 @@ def _silent(*_: object) -> None:
     """Report nothing."""
 
 
-def watch_of(task: Task, grid: Grid, rerun: Rerun) -> AccuracyMonitor:
+def watch_of(task: Task, grid: StepGrid, rerun: Rerun) -> AccuracyMonitor:
     """Return a watch that sees the samples of a task before its sink does.
 
     Of a continued run it sees what went before, too, where that is known.

@@ -8,7 +8,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.integrate.course import Course, MethodState
+from vehicledyn.integrate.course import MethodState, RunHistory
 from vehicledyn.integrate.judged_quantities import Judged
 from vehicledyn.integrate.task import EachStep, Happened, Sink, Statistics, Task
 from vehicledyn.kernel.kernel import Kernel
@@ -35,7 +35,7 @@ def simulate(
     progress: Progress | None = None,
     happened: Happened | None = None,
     judged: Judged | None = None,
-    course: Course | None = None,
+    course: RunHistory | None = None,
     watched: bool = True,
 ) -> Statistics:
     """Integrate from ``start`` to ``stop`` and hand samples to a sink.
@@ -107,7 +107,7 @@ def make_task(
     progress: Progress | None = None,
     happened: Happened | None = None,
     judged: Judged | None = None,
-    course: Course | None = None,
+    course: RunHistory | None = None,
     watched: bool = True,
     each_step: EachStep | None = None,
     carried: MethodState | None = None,

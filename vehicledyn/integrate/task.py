@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 from vehicledyn.base.errors import NumericalError
-from vehicledyn.integrate.course import Beginning, Course, MethodState
+from vehicledyn.integrate.course import Beginning, MethodState, RunHistory
 from vehicledyn.integrate.events import EventMonitor, Point
 from vehicledyn.kernel.engine import Count, Figure, Ledger, Rows, Vector
 from vehicledyn.kernel.kernel import Kernel
@@ -101,7 +101,7 @@ class Task:
     progress: Progress
     happened: Happened
     judged: Judged | None = None
-    course: Course | None = None
+    course: RunHistory | None = None
     watched: bool = True
     each_step: EachStep | None = None
     carried: MethodState | None = None

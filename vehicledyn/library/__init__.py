@@ -1,8 +1,8 @@
 """The library: scenarios, studies, systems and profiles that come with the program, by name."""
 
 from vehicledyn.library.names import (
-    Entry,
     Kind,
+    LibraryFile,
     entries,
     find_entry,
     library_folder,
@@ -12,8 +12,8 @@ from vehicledyn.library.names import (
 )
 
 __all__ = [
-    "Entry",
     "Kind",
+    "LibraryFile",
     "entries",
     "find_entry",
     "library_folder",

@@ -10,10 +10,10 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.base.files.whole_file import copy_whole, folder_for_files
 from vehicledyn.base.nested import leaves
 from vehicledyn.base.yaml import read_yaml
-from vehicledyn.library.names import Entry, library_folder
+from vehicledyn.library.names import LibraryFile, library_folder
 
 
-def copy_entry(entry: Entry, folder: Path) -> list[Path]:
+def copy_entry(entry: LibraryFile, folder: Path) -> list[Path]:
     """Copy a file and all it refers to; return the copies, that of the file itself first.
 
     The copies keep their places relative to each other, so that references stay valid.

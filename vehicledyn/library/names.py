@@ -26,7 +26,7 @@ _FOLDERS: dict[str, tuple[Kind, str]] = {
 
 
 @dataclass(frozen=True)
-class Entry:
+class LibraryFile:
     """A file of the library: its name, its place in the library without ending, and its path."""
 
     name: str
@@ -50,10 +50,10 @@ def library_folder() -> Path:
 
 
 @cache
-def entries(*kinds: Kind) -> tuple[Entry, ...]:
+def entries(*kinds: Kind) -> tuple[LibraryFile, ...]:
     """Return the files of these kinds, or all, ordered by kind as given and by name."""
     found = [
-        Entry(path.stem, kind, f"{folder}/{path.stem}", path)
+        LibraryFile(path.stem, kind, f"{folder}/{path.stem}", path)
         for folder, (kind, pattern) in _FOLDERS.items()
         for path in (library_folder() / folder).glob(pattern)
     ]
@@ -62,7 +62,7 @@ def entries(*kinds: Kind) -> tuple[Entry, ...]:
     return tuple(sorted(chosen, key=lambda entry: (wanted.index(entry.kind), entry.name)))
 
 
-def find_entry(name: str, kinds: Sequence[Kind]) -> Entry | None:
+def find_entry(name: str, kinds: Sequence[Kind]) -> LibraryFile | None:
     """Return the file of this name or place, None if there is none.
 
     Where files of several kinds have the name, the first of ``kinds`` decides.

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
         BodySensor,
         SequenceSensor,
     )
-    from vehicledyn.multibody.elements.point_forces import Attachment, Link
+    from vehicledyn.multibody.elements.point_forces import Attachment, PointForce
     from vehicledyn.multibody.elements.rolling import RollingWheel
     from vehicledyn.multibody.elements.transmissions import Belt, Gears, LeadScrew, Rack
     from vehicledyn.multibody.equations.derivation import derive
@@ -71,12 +71,12 @@ __all__ = [
     "Joint",
     "LeadScrew",
     "LinearConstraint",
-    "Link",
     "Loads",
     "Motion",
     "Output",
     "ParameterTable",
     "PartEvent",
+    "PointForce",
     "Rack",
     "RateConstraint",
     "ReactionSensor",
@@ -108,7 +108,7 @@ __getattr__ = lazy_exports(
         "vehicledyn.multibody.equations.derivation": ("derive",),
         "vehicledyn.multibody.elements.drives": ("ConstantRate", "TimeLaw"),
         "vehicledyn.multibody.elements.force_sensors": ("ConstraintForceSensor", "ReactionSensor"),
-        "vehicledyn.multibody.elements.point_forces": ("Attachment", "Link"),
+        "vehicledyn.multibody.elements.point_forces": ("Attachment", "PointForce"),
         "vehicledyn.multibody.model.parts": (
             "BasePart",
             "Loads",

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 from vehicledyn.multibody.elements.drives import ConstantRate
 from vehicledyn.multibody.elements.motion_sensors import Accelerometer, BodySensor, SequenceSensor
-from vehicledyn.multibody.elements.point_forces import Attachment, Link
+from vehicledyn.multibody.elements.point_forces import Attachment, PointForce
 from vehicledyn.multibody.model.bodies import Body, Joint, Turn
 from vehicledyn.multibody.model.cuts import Cut, RodCut
 from vehicledyn.multibody.model.ground import GROUND
@@ -229,14 +229,14 @@ class _Corner:
         anchor = self.on_chassis((0.0, 0.0, s.anchor_height))
         carrier = f"carrier_{self.name}"
         leaf_end = Attachment(carrier, self.from_ball(h.leaf_outer))
-        spring = Link(
+        spring = PointForce(
             f"leaf_spring_{self.name}",
             Attachment(CHASSIS, anchor),
             leaf_end,
             lambda length, _: leaf_force(s, length),
             direction=(0.0, 0.0, 1.0),
         )
-        shock = Link(
+        shock = PointForce(
             f"shock_{self.name}",
             Attachment(CHASSIS, self.on_chassis(h.shock_upper)),
             Attachment(f"a_arm_{self.name}", self.from_arm(h.shock_lower)),

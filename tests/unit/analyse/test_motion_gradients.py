@@ -9,7 +9,7 @@ from solve_examples import build, oscillator, slider_crank, symbols
 
 import vehicledyn as vd
 from vehicledyn.analyse.gradients.adjoint import figure_adjoint
-from vehicledyn.analyse.gradients.equilibrium import Balance, rate_slopes, start_slopes
+from vehicledyn.analyse.gradients.equilibrium import BalancedState, rate_slopes, start_slopes
 from vehicledyn.analyse.gradients.key_figures import figure_slope
 from vehicledyn.analyse.gradients.motion import follow
 from vehicledyn.base.errors import NumericalError
@@ -286,7 +286,7 @@ def test_an_equilibrium_follows_its_parameters():
     code = TangentCode(equations, [])
     point = np.array([rest, 0.0]), np.zeros(0)
     values = np.array([50.0, 2.0])
-    balance = Balance(values, 0.0, point, ([0], [1]))
+    balance = BalancedState(values, 0.0, point, ([0], [1]))
     found = start_slopes(code, balance, np.eye(2))
     assert found[0] == pytest.approx([-rest / 150.0, rest / 6.0], rel=1e-12)
     by_state, by_parameter = rate_slopes(code, balance, np.eye(2))

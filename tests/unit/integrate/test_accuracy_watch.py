@@ -349,9 +349,9 @@ def test_windows_are_spread_over_the_run_and_end_with_it():
 def test_places_do_not_depend_on_chunks():
     equations = swinging()
     kernel = compile_kernel(equations, backend="compiled")
-    from vehicledyn.integrate.accuracy.windows import Grid
+    from vehicledyn.integrate.accuracy.windows import StepGrid
 
-    grid = Grid(Method.RK4, 0.0, 0.1, 10, 100)
+    grid = StepGrid(Method.RK4, 0.0, 0.1, 10, 100)
     rows = np.random.default_rng(1).normal(size=(101, 5))
     found = []
     for sizes in ([101], [1, 7, 50, 43], [1] * 101):

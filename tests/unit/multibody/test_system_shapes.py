@@ -24,7 +24,7 @@ from vehicledyn.base.shapes import (
     as_plain,
 )
 from vehicledyn.files.scenario import load_model
-from vehicledyn.multibody import GROUND, Body, Joint, Link, ParameterTable, System
+from vehicledyn.multibody import GROUND, Body, Joint, ParameterTable, PointForce, System
 from vehicledyn.multibody.elements.point_forces import Attachment
 from vehicledyn.multibody.equations.system_shapes import appearance
 from vehicledyn.results.store.animation_stage import read_stage
@@ -86,7 +86,7 @@ def test_bars_lead_to_where_others_hold_on():
     length = table.add("length", 0.8, "m", "Length")
     crank = Body("crank", GROUND, joints=(Joint("R2", "crank.angle"),), **box(table, (1, 1, 1)))
     rod = Body("rod", "crank", (0.0, 0.0, -length), (Joint("R2", "rod.angle"),), mass=1.0)
-    spring = Link(
+    spring = PointForce(
         "spring", Attachment("crank", (0.3, 0.0, 0.0)), Attachment(GROUND, (0.0, 1.0, 0.0)),
         lambda z, v: z,
     )  # fmt: skip

@@ -8,7 +8,7 @@ import pytest
 from scipy.special import fresnel
 
 from vehicledyn.rail.track.alignment import Alignment
-from vehicledyn.rail.track.pieces import Grade, Piece
+from vehicledyn.rail.track.pieces import Grade, TrackPiece
 from vehicledyn.rail.track.track import Track
 from vehicledyn.rail.track.track_tables import WANTED_ERROR, centre_line
 from vehicledyn.rail.track.transition_shapes import SHAPES
@@ -18,11 +18,11 @@ BASE = 1.5
 
 
 def bend(length, radius, cant=0.0):
-    return Piece(length, (1.0 / radius,) * 2, (cant, cant))
+    return TrackPiece(length, (1.0 / radius,) * 2, (cant, cant))
 
 
 def change(length, before, after, shape="linear", cant=(0.0, 0.0)):
-    return Piece(length, (before, after), cant, shape=shape)
+    return TrackPiece(length, (before, after), cant, shape=shape)
 
 
 def frames(line, places):
@@ -36,7 +36,9 @@ def frames(line, places):
 @pytest.mark.parametrize("radius", [300.0, -45.0])
 def test_clothoid_is_that_of_the_fresnel_integrals(radius):
     length, start = 60.0, 17.3
-    alignment = Alignment([Piece(start), change(length, 0.0, 1.0 / radius), Piece(9.0)], BASE)
+    alignment = Alignment(
+        [TrackPiece(start), change(length, 0.0, 1.0 / radius), TrackPiece(9.0)], BASE
+    )
     line, _ = centre_line(alignment)
     along = np.linspace(0.0, length, 41)
     scale = np.sqrt(np.pi * abs(radius) * length)
@@ -76,7 +78,7 @@ def test_graded_and_canted_arc_is_a_helix():
 def test_oval_closes():
     turn = np.pi * 250.0 - 40.0  # Each transition turns as much as half its length of the arc.
     half = [
-        Piece(123.456),
+        TrackPiece(123.456),
         change(40.0, 0.0, 1 / 250.0, "bloss", (0.0, 0.1)),
         bend(turn, 250.0, 0.1),
         change(40.0, 1 / 250.0, 0.0, "bloss", (0.1, 0.0)),
@@ -113,12 +115,12 @@ def test_reverse_curve_ends_parallel_and_its_low_rail_stays_low():
 
 def test_cubic_parabola_has_its_plan():
     radius, length = 120.0, 50.0
-    pieces = [change(length, 0.0, 1 / radius, "cubic_parabola"), Piece(1.0)]
+    pieces = [change(length, 0.0, 1 / radius, "cubic_parabola"), TrackPiece(1.0)]
     line, _ = centre_line(Alignment(pieces, BASE))
     places, _ = frames(line, np.linspace(0.0, length, 21))
     x, y = places[:, 0], places[:, 1]
     assert y == pytest.approx(x**3 / (6.0 * radius * x[-1]), abs=WANTED_ERROR)
-    mirrored = [Piece(1.0), change(length, 1 / radius, 0.0, "cubic_parabola")]
+    mirrored = [TrackPiece(1.0), change(length, 1 / radius, 0.0, "cubic_parabola")]
     back = Alignment(mirrored, BASE).heading(np.array([1.0 + length]))
     assert back[0] == pytest.approx(np.arctan(0.5 * x[-1] / radius), abs=1e-12)
 
@@ -136,7 +138,12 @@ def test_shape_is_the_derivative_of_what_it_sweeps(name):
 @pytest.mark.parametrize("lengths", [(20.0, 50.0, 30.0), (np.pi * 7, 13.3333, 0.017)])
 def test_tables_reach_the_error_they_state(lengths):
     """Wherever the kinks lie, with curvature that jumps; and rotation fits the plan."""
-    pieces = [Piece(lengths[0]), bend(lengths[1], 17.0), bend(lengths[2], -400.0), Piece(5.0)]
+    pieces = [
+        TrackPiece(lengths[0]),
+        bend(lengths[1], 17.0),
+        bend(lengths[2], -400.0),
+        TrackPiece(5.0),
+    ]
     alignment = Alignment(pieces, BASE, [Grade(12.0, 0.05, 300.0)])
     line, _ = centre_line(alignment)
     assert line.error <= WANTED_ERROR

@@ -35,7 +35,7 @@ from vehicledyn.results.assessment.weighting import (
     W_D,
     Sperling,
 )
-from vehicledyn.results.store.layout import Axis
+from vehicledyn.results.store.layout import SampleAxis
 
 STEP = 5e-3
 TIME = np.arange(0.0, 300.0 + STEP / 2, STEP)
@@ -389,7 +389,7 @@ def test_a_file_as_text_and_json(make_result):
 def test_files_that_hold_nothing_to_assess(make_result):
     with pytest.raises(InputError, match="neither forces of wheels on rails"):
         assess_result(make_result())
-    counted = make_result("counted.h5", axis=Axis("1", "Sample"))
+    counted = make_result("counted.h5", axis=SampleAxis("1", "Sample"))
     with pytest.raises(InputError, match="its samples are not taken in time"):
         assess_result(counted)
 

@@ -15,7 +15,7 @@ from vehicledyn.results.labelled import export
 from vehicledyn.results.labelled.data import open_result as open_labelled
 from vehicledyn.results.plots import run_plots
 from vehicledyn.results.store import decimation
-from vehicledyn.results.store.layout import Axis
+from vehicledyn.results.store.layout import SampleAxis
 from vehicledyn.results.store.reader import open_result
 
 TIME = np.linspace(0.0, 5.0, 101)
@@ -38,7 +38,7 @@ def a(**changes):
 CHANGES = [{}, {"x": (50, 7.0)}, {"v": (93, np.nan)}, {"x": (8, np.inf), "v": (20, -3.0)}]
 
 
-@pytest.mark.parametrize("axis", [None, Axis("1", "Sample")], ids=["time", "samples"])
+@pytest.mark.parametrize("axis", [None, SampleAxis("1", "Sample")], ids=["time", "samples"])
 def test_portions_are_compared_as_the_whole(make_result, request, axis):
     more = {} if axis is None else {"axis": axis}
     paths = [

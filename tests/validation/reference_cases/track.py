@@ -18,7 +18,7 @@ from vehicledyn.files.system.read import read_system
 from vehicledyn.multibody import derive
 from vehicledyn.rail.irregularities.erri_b176 import ErriB176, spectra
 from vehicledyn.rail.track.alignment import Alignment
-from vehicledyn.rail.track.pieces import Grade, Piece
+from vehicledyn.rail.track.pieces import Grade, TrackPiece
 from vehicledyn.rail.track.track import Track
 from vehicledyn.rail.track.track_tables import centre_line
 from vehicledyn.symbolic import ops
@@ -50,7 +50,7 @@ def _frames(line, places):
 
 def _lines():
     along = np.linspace(0.0, LENGTH, 121)
-    pieces = [Piece(17.3), Piece(LENGTH, (0.0, 1.0 / RADIUS)), Piece(9.0)]
+    pieces = [TrackPiece(17.3), TrackPiece(LENGTH, (0.0, 1.0 / RADIUS)), TrackPiece(9.0)]
     scale = math.sqrt(math.pi * RADIUS * LENGTH)
     sine, cosine = fresnel(along / scale)
     found = _frames(centre_line(Alignment(pieces, BASE))[0], 17.3 + along)
@@ -64,7 +64,7 @@ def _lines():
         unit="m",
     )
     cant, slope, along = 0.15, 0.03, np.linspace(1.0, 399.0, 101)
-    arc = Piece(400.0, (1.0 / RADIUS,) * 2, (cant, cant))
+    arc = TrackPiece(400.0, (1.0 / RADIUS,) * 2, (cant, cant))
     found = _frames(centre_line(Alignment([arc], BASE, [Grade(0.0, slope)]))[0], along)
     angle, lean, climb = along / RADIUS, math.asin(cant / BASE), math.atan(slope)
     wanted = [RADIUS * np.sin(angle), RADIUS * (1.0 - np.cos(angle)), slope * along]
@@ -83,10 +83,10 @@ def _lines():
     turn = math.pi * 250.0 - 40.0
     bend = 1.0 / 250.0
     half = [
-        Piece(123.456),
-        Piece(40.0, (0.0, bend), shape="bloss"),
-        Piece(turn, (bend, bend)),
-        Piece(40.0, (bend, 0.0), shape="bloss"),
+        TrackPiece(123.456),
+        TrackPiece(40.0, (0.0, bend), shape="bloss"),
+        TrackPiece(turn, (bend, bend)),
+        TrackPiece(40.0, (bend, 0.0), shape="bloss"),
     ]
     line, _ = centre_line(Alignment([*half, *half], BASE))
     yield deviation(
@@ -180,7 +180,7 @@ def _rider():
     """A mass on a lateral spring, thrown out of a canted curve."""
     path = DATA / "rider_on_track.yaml"
     lean = math.asin(0.06)
-    arc = Piece(200.0, (1.0 / RADIUS,) * 2, (0.09, 0.09))
+    arc = TrackPiece(200.0, (1.0 / RADIUS,) * 2, (0.09, 0.09))
     found = _steady(
         _equations(path, centre_line(Alignment([arc], BASE))[0]), ["rider.y", "rider.z"], 5
     )
@@ -205,7 +205,7 @@ def _wheelset():
     """A wheelset that nothing guides, in a curve whose cant balances its speed."""
     radius, speed = 1000.0, 20.0
     cant = BASE * math.sin(math.atan(speed**2 / (radius * 9.81)))
-    arc = Piece(400.0, (1.0 / radius,) * 2, (cant, cant))
+    arc = TrackPiece(400.0, (1.0 / radius,) * 2, (cant, cant))
     path = DATA / "curving_wheelset.yaml"
     equations = _equations(path, centre_line(Alignment([arc], BASE))[0])
     names = [f"wheelset.{n}" for n in ("x", "y", "z", "yaw", "roll")]

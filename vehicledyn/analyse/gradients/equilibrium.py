@@ -16,7 +16,7 @@ Matrix = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Balance:
+class BalancedState:
     """An equilibrium: all parameters, time [s], states and unknowns, and what was balanced.
 
     ``pairs`` are the states that were free and the rates that are zero.
@@ -29,7 +29,7 @@ class Balance:
 
 
 def start_slopes(
-    code: TangentCode, balance: Balance, by_parameter: Matrix, held: Matrix | None = None
+    code: TangentCode, balance: BalancedState, by_parameter: Matrix, held: Matrix | None = None
 ) -> Matrix:
     """Return the derivatives of an equilibrium's states, shape (n_states, n_directions).
 
@@ -80,7 +80,7 @@ class GivenSlopes:
 class BalancedStart:
     """A start in equilibrium, with ``others``, speeds that are given after the balance."""
 
-    balance: Balance
+    balance: BalancedState
     others: tuple[int, ...]
 
     def slopes(self, code: TangentCode, by_parameter: Matrix, given: GivenSlopes) -> Matrix:
@@ -104,11 +104,13 @@ class BalancedStart:
         point = np.concatenate([b.point[0], own]), np.pad(b.point[1], (0, unknowns))
         free, balanced = ([*part, *(k + n for k in part)] for part in b.pairs)
         parameters = np.concatenate([b.parameters, direction])
-        balance = Balance(parameters, b.time, point, (free, balanced))
+        balance = BalancedState(parameters, b.time, point, (free, balanced))
         return BalancedStart(balance, (*self.others, *(k + n for k in self.others)))
 
 
-def rate_slopes(code: TangentCode, balance: Balance, by_parameter: Matrix) -> tuple[Matrix, Matrix]:
+def rate_slopes(
+    code: TangentCode, balance: BalancedState, by_parameter: Matrix
+) -> tuple[Matrix, Matrix]:
     """Return dẋ/dx (n_states, n_states) and dẋ/dp (n_states, n_directions) on closed loops."""
     state, guess = (np.ascontiguousarray(item) for item in balance.point)
     n = len(state)

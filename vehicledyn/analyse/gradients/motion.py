@@ -18,9 +18,9 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.analyse.gradients.motion_course import Course
+from vehicledyn.analyse.gradients.motion_course import TangentCourse
 from vehicledyn.analyse.gradients.motion_slopes import MotionSlopes
-from vehicledyn.analyse.gradients.motion_stretches import Piece
+from vehicledyn.analyse.gradients.motion_stretches import PartitionPiece
 from vehicledyn.base.step_memory import Memory
 from vehicledyn.kernel.engine import Vector
 from vehicledyn.kernel.kernel import Kernel
@@ -40,7 +40,7 @@ def follow(
     n_intervals: int,
     start: tuple[Vector, Vector],
     directions: tuple[Matrix, Matrix],
-    later: Sequence[Piece] = (),
+    later: Sequence[PartitionPiece] = (),
     n_channels: int | None = None,
     progress: Callable[[float], object] | None = None,
     watched: Watched | None = None,
@@ -78,7 +78,7 @@ def follow(
         If the run cannot go on, or a derivative does not exist.
     """
     count = len(code.channels) if n_channels is None else n_channels
-    run = Course(Piece(grid.start, kernel, code), grid, start, directions, count)
+    run = TangentCourse(PartitionPiece(grid.start, kernel, code), grid, start, directions, count)
     run.expect(later)
     memory, stretches = memory or Memory(), []
     for number in range(0, max(n_intervals, 1), run.at_once):

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.analyse.gradients.corner_steps import CornerSteps, StepParts
 from vehicledyn.analyse.gradients.motion_slopes import CornerPassed, EventSlope, Recorder
-from vehicledyn.analyse.gradients.motion_stretches import Piece, Stretch, Where
+from vehicledyn.analyse.gradients.motion_stretches import PartitionPiece, Stretch, Where
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.integrate.events import EventMonitor, Point
 from vehicledyn.kernel.bundle import Bundle, BundleResult
@@ -31,7 +31,7 @@ _SHORTEST, _REACH = 1e-9, 1.25
 """Parts of a step behind an event of a method of order one, as in a run without derivatives."""
 
 
-class Course:
+class TangentCourse:
     """A motion under way: the run itself, and a bundle of tangents that follows it.
 
     With events the last direction of the bundle is the length of the step under way.
@@ -39,7 +39,7 @@ class Course:
 
     def __init__(
         self,
-        piece: Piece,
+        piece: PartitionPiece,
         grid: Grid,
         start: tuple[Vector, Vector],
         directions: tuple[Matrix, Matrix],
@@ -53,7 +53,7 @@ class Course:
         numbers = max(1, by_state.size)
         self.at_once = max(1, min(_AT_ONCE, _MOST_NUMBERS // numbers))
         self._names: list[str] = []
-        self._later: list[tuple[int, Piece]] = []
+        self._later: list[tuple[int, PartitionPiece]] = []
         extra = int(bool(piece.kernel.equations.events))
         self._extra = np.zeros(self.n + extra)
         self._begin(piece, 0, start, np.pad(by_state, ((0, 0), (0, extra))))
@@ -61,7 +61,7 @@ class Course:
             raise NumericalError(f"event '{self.watch.ended_by}' ends the motion at its start")
 
     def _begin(
-        self, piece: Piece, step: int, start: tuple[Vector, Vector], tangents: Matrix
+        self, piece: PartitionPiece, step: int, start: tuple[Vector, Vector], tangents: Matrix
     ) -> None:
         """Go on with the equations of a piece from a step, with the tangents of its states."""
         self.kernel, self.code, grid = piece.kernel, piece.code, self.grid
@@ -83,7 +83,7 @@ class Course:
         )
         self.march.step = step
 
-    def expect(self, later: Sequence[Piece]) -> None:
+    def expect(self, later: Sequence[PartitionPiece]) -> None:
         """Take notice of changes of the dependent coordinates.
 
         Raises
@@ -160,7 +160,7 @@ class Course:
         self.corner_steps.recall(where.corners)
         self.watch.ended_by = where.ended_by
 
-    def _change(self, piece: Piece) -> None:
+    def _change(self, piece: PartitionPiece) -> None:
         """Go on with other dependent coordinates: the same motion, with other states."""
         point = Point(self.time, self.march.state, self.march.unknowns)
         found, e = self._found(point, None), self.kernel.equations

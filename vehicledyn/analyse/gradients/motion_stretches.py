@@ -16,7 +16,7 @@ Matrix = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Piece:
+class PartitionPiece:
     """Equations that hold from a time on [s], with other dependent coordinates than before.
 
     ``code`` observes the same channels, in the same order, as that of the piece before; behind

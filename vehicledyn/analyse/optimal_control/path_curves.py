@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from vehicledyn.analyse.optimal_control.problem import Path
+from vehicledyn.analyse.optimal_control.problem import Corridor
 from vehicledyn.symbolic.tables import CurveTable
 
 
@@ -17,7 +17,7 @@ class PathCurves:
         Places at equal distances.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Corridor) -> None:
         start = float(path.distance[0])
         step = float(path.distance[-1] - start) / (len(path.distance) - 1)
         self.tables = tuple(

@@ -74,7 +74,7 @@ class Range:
 
 
 @dataclass(frozen=True)
-class Path:
+class Corridor:
     """A path in the plane with its corridor.
 
     ``distance``, ``x``, ``y``, ``right`` and ``left`` (n,) in m: places along it and how far a
@@ -112,7 +112,7 @@ class ControlProblem:
     final: tuple[Range, ...]
     terms: tuple[tuple[float, tuple[Any, ...]], ...]
     growth: dict[int, float] = field(default_factory=dict)
-    path: Path | None = None
+    path: Corridor | None = None
     path_start: tuple[float, float] = (-np.inf, np.inf)
 
     def parameters_with(self, values: Floats) -> Floats:

@@ -38,7 +38,7 @@ def growing_oscillations(eigenvalues: Vector) -> int:
 
 
 @dataclass(frozen=True)
-class Balance:
+class CriticalPoint:
     """An equilibrium at a value of the parameter, with its eigenvalues (n_kept,) [1/s]."""
 
     value: float
@@ -65,7 +65,7 @@ class Hopf:
     oscillation begins to grow, rather than to decay, where the parameter gets larger.
     """
 
-    balance: Balance
+    balance: CriticalPoint
     frequency: float
     shape: Vector
     unknowns_shape: Vector
@@ -93,7 +93,9 @@ class Hopf:
         return Direction(orbit.states - self.balance.state, 0.0, 0.0)
 
 
-def find_balance(field: AutonomousField, value: float, state: Vector, unknowns: Vector) -> Balance:
+def find_balance(
+    field: AutonomousField, value: float, state: Vector, unknowns: Vector
+) -> CriticalPoint:
     """Return the equilibrium near a point, with its eigenvalues.
 
     Where a shift makes no difference (a neutral direction), the nearest one.
@@ -112,7 +114,7 @@ def find_balance(field: AutonomousField, value: float, state: Vector, unknowns: 
         small = np.abs(step) <= _FOUND * (1.0 + np.abs(x))
         if small.all() and (np.abs(correction) <= 1e2 * _FOUND * (1.0 + np.abs(z))).all():
             found = field.evaluate(x[None], z[None], value)
-            return Balance(value, x, z, np.linalg.eigvals(found.by_state[0]).astype(complex))
+            return CriticalPoint(value, x, z, np.linalg.eigvals(found.by_state[0]).astype(complex))
         if not np.isfinite(x).all():
             break
     raise NumericalError(f"there is no equilibrium near by at {field.parameter} = {value:.9g}")
@@ -120,9 +122,9 @@ def find_balance(field: AutonomousField, value: float, state: Vector, unknowns: 
 
 def follow_balance(
     field: AutonomousField, values: Sequence[float], state: Vector, unknowns: Vector
-) -> list[Balance]:
+) -> list[CriticalPoint]:
     """Return the equilibria at values of the parameter, each found from the one before."""
-    found: list[Balance] = []
+    found: list[CriticalPoint] = []
     for value in values:
         if found:
             state, unknowns = ahead(field, found[-1], value)
@@ -130,7 +132,7 @@ def follow_balance(
     return found
 
 
-def ahead(field: AutonomousField, balance: Balance, value: float) -> tuple[Vector, Vector]:
+def ahead(field: AutonomousField, balance: CriticalPoint, value: float) -> tuple[Vector, Vector]:
     """Return states and unknowns of an equilibrium at another value, along the tangent.
 
     A wheel that rolls must turn faster with the speed: from its old rate it would slide.
@@ -142,11 +144,11 @@ def ahead(field: AutonomousField, balance: Balance, value: float) -> tuple[Vecto
     return balance.state + step, balance.unknowns - unknowns
 
 
-Equilibria = Callable[[float, Vector, Vector], Balance]
+Equilibria = Callable[[float, Vector, Vector], CriticalPoint]
 """Returns the equilibrium at a value near states and unknowns."""
 
 
-def neutral_directions(field: AutonomousField, balance: Balance) -> Vector:
+def neutral_directions(field: AutonomousField, balance: CriticalPoint) -> Vector:
     """Return directions of states in which an equilibrium stays one, shape (n_kept, n_neutral).
 
     Such is the rolling speed of a vehicle that nothing drives or slows.
@@ -174,7 +176,7 @@ class Divergence:
 
 
 def find_hopf(
-    field: AutonomousField, balances: Sequence[Balance], at: Equilibria | None = None
+    field: AutonomousField, balances: Sequence[CriticalPoint], at: Equilibria | None = None
 ) -> list[Hopf]:
     """Return the Hopf bifurcations between successive equilibria, in their order.
 
@@ -188,7 +190,7 @@ def find_hopf(
 
 
 def find_divergence(
-    field: AutonomousField, balances: Sequence[Balance], at: Equilibria | None = None
+    field: AutonomousField, balances: Sequence[CriticalPoint], at: Equilibria | None = None
 ) -> list[Divergence]:
     """Return where real eigenvalues pass zero between successive equilibria, in their order.
 
@@ -215,7 +217,7 @@ def find_divergence(
     return found
 
 
-def _growing(balance: Balance, zeros: int) -> int:
+def _growing(balance: CriticalPoint, zeros: int) -> int:
     """Return the number of real eigenvalues above zero, the smallest ones left out."""
     order = np.argsort(np.abs(balance.eigenvalues))[zeros:]
     values = balance.eigenvalues[order]
@@ -223,7 +225,7 @@ def _growing(balance: Balance, zeros: int) -> int:
 
 
 def _between(
-    field: AutonomousField, find: Equilibria, low: Balance, high: Balance, depth: int
+    field: AutonomousField, find: Equilibria, low: CriticalPoint, high: CriticalPoint, depth: int
 ) -> list[Hopf]:
     change = high.growing_pairs - low.growing_pairs
     if not change:
@@ -244,7 +246,7 @@ def _between(
     return [hopf] if hopf else []
 
 
-def _midway(find: Equilibria, low: Balance, high: Balance) -> Balance:
+def _midway(find: Equilibria, low: CriticalPoint, high: CriticalPoint) -> CriticalPoint:
     return find(
         0.5 * (low.value + high.value),
         0.5 * (low.state + high.state),
@@ -252,7 +254,7 @@ def _midway(find: Equilibria, low: Balance, high: Balance) -> Balance:
     )
 
 
-def _hopf(field: AutonomousField, balance: Balance, *, begins: bool) -> Hopf | None:
+def _hopf(field: AutonomousField, balance: CriticalPoint, *, begins: bool) -> Hopf | None:
     """Return the bifurcation at a point, None if no pair is purely imaginary there."""
     found = field.evaluate(balance.state[None], balance.unknowns[None], balance.value)
     values, vectors = np.linalg.eig(found.by_state[0])

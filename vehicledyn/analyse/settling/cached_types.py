@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from vehicledyn.analyse.periodic.basis import Basis
 from vehicledyn.analyse.periodic.collocation import Direction
-from vehicledyn.analyse.periodic.critical import Balance
+from vehicledyn.analyse.periodic.critical import CriticalPoint
 from vehicledyn.analyse.periodic.cycle_points import CyclePoint
 from vehicledyn.analyse.periodic.floquet import Multipliers
 from vehicledyn.analyse.periodic.mirror_symmetry import Mirror
@@ -14,7 +14,7 @@ from vehicledyn.analyse.settling.settling import Ending
 from vehicledyn.analyse.settling.simulated_cycles import Settled
 
 CYCLE_KINDS = (
-    Balance,
+    CriticalPoint,
     Basis,
     CyclePoint,
     Direction,

@@ -13,11 +13,11 @@ from functools import partial
 import numpy as np
 
 from vehicledyn.analyse.periodic.autonomous import AutonomousField
-from vehicledyn.analyse.periodic.critical import Balance, ahead, find_balance
+from vehicledyn.analyse.periodic.critical import CriticalPoint, ahead, find_balance
 from vehicledyn.analyse.settling.settling import Ending
 from vehicledyn.analyse.settling.simulated_cycles import Disturbed, Runner, Settled
 
-Balances = Callable[[float], Balance]
+Balances = Callable[[float], CriticalPoint]
 
 _SMALL = 0.1
 """Part of the disturbance below which what it settles to is no motion."""
@@ -210,10 +210,10 @@ def growth_begins(
     return low, high
 
 
-def balances_near(field: AutonomousField, known: Sequence[Balance]) -> Balances:
+def balances_near(field: AutonomousField, known: Sequence[CriticalPoint]) -> Balances:
     """Return a function that finds the equilibrium at a value from the nearest known one."""
 
-    def near(value: float) -> Balance:
+    def near(value: float) -> CriticalPoint:
         start = min(known, key=lambda balance: abs(balance.value - value))
         return find_balance(field, value, *ahead(field, start, value))
 
@@ -225,12 +225,12 @@ def steps(first: float, last: float, count: int) -> Iterator[float]:
     return (first + (last - first) * k / (count - 1) for k in range(count))
 
 
-def _oscillates(balance: Balance) -> bool:
+def _oscillates(balance: CriticalPoint) -> bool:
     """Return whether anything oscillates about an equilibrium."""
     return bool(np.any(balance.eigenvalues.imag != 0.0))
 
 
-def _grows(runner: Runner, balance: Balance, size: float) -> bool:
+def _grows(runner: Runner, balance: CriticalPoint, size: float) -> bool:
     """Return whether a small disturbance is larger after two windows than after one.
 
     It is seen in the state that it moves most, which the watched channel need not show.

@@ -14,7 +14,7 @@ import numpy as np
 
 from vehicledyn.analyse.periodic.autonomous import AutonomousField
 from vehicledyn.analyse.periodic.basis import basis
-from vehicledyn.analyse.periodic.critical import Balance
+from vehicledyn.analyse.periodic.critical import CriticalPoint
 from vehicledyn.analyse.periodic.orbit import Orbit
 from vehicledyn.analyse.settling.settling import Ending, judged, spread
 from vehicledyn.base.errors import NumericalError
@@ -197,7 +197,7 @@ class Runner:
             seconds=float(times[-1]),
         )
 
-    def disturbed(self, balance: Balance, size: float) -> Disturbed:
+    def disturbed(self, balance: CriticalPoint, size: float) -> Disturbed:
         """Return a disturbed equilibrium.
 
         It is disturbed in the shape of the oscillation that decays least, whose largest
@@ -218,7 +218,7 @@ class Runner:
         period = 2.0 * math.pi / float(values[chosen].imag)
         return Disturbed(state, guess, period, rate, self.field.kept[index])
 
-    def beside(self, orbit: Orbit, balance: Balance, part: float) -> Disturbed:
+    def beside(self, orbit: Orbit, balance: CriticalPoint, part: float) -> Disturbed:
         """Return a periodic orbit's begin, moved by a part of its way to the equilibrium."""
         states, unknowns = orbit.sample(np.zeros(1))
         rate = float(np.abs(balance.eigenvalues).max())

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from vehicledyn.analyse.periodic.autonomous import AutonomousField
-from vehicledyn.analyse.periodic.critical import Balance
+from vehicledyn.analyse.periodic.critical import CriticalPoint
 from vehicledyn.analyse.periodic.cycle_points import Branch
 from vehicledyn.analyses.preparation.prepare import Point
 from vehicledyn.analyses.preparation.prepared import Prepared
@@ -22,7 +22,7 @@ _PHASES = 24
 def bent_motions(
     prepared: Prepared,
     model: AutonomousField,
-    balances: Sequence[Balance],
+    balances: Sequence[CriticalPoint],
     branches: Sequence[Branch],
 ) -> list[str]:
     """Return a warning for each beam that bends far in an equilibrium or a limit cycle."""
@@ -34,7 +34,7 @@ def bent_motions(
 def _points(
     prepared: Prepared,
     model: AutonomousField,
-    balances: Sequence[Balance],
+    balances: Sequence[CriticalPoint],
     branches: Sequence[Branch],
 ) -> Iterator[tuple[str, Kernel, Point]]:
     unit = prepared.equations.parameters[model.index].unit

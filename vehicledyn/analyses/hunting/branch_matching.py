@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from vehicledyn.analyse.periodic.autonomous import AutonomousField
-from vehicledyn.analyse.periodic.critical import Balance
+from vehicledyn.analyse.periodic.critical import CriticalPoint
 from vehicledyn.analyse.periodic.cycle_points import Branch, CyclePoint
 from vehicledyn.analyse.periodic.cycles_at import cycle_beside
 from vehicledyn.analyse.settling.settling import Ending
@@ -78,7 +78,7 @@ class Legs:
             if _within(value, _range([p.orbit.parameter for p in pair]), 0.0)
         ]
 
-    def lack_stable(self, balances: Sequence[Balance]) -> bool:
+    def lack_stable(self, balances: Sequence[CriticalPoint]) -> bool:
         """Return whether oscillations grow somewhere and no stable cycle is found there."""
         return any(
             balance.growing_pairs and not any(leg.stable for leg in self.at(balance.value))

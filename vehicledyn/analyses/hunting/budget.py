@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vehicledyn.analyse.periodic.critical import Balance, Hopf
+from vehicledyn.analyse.periodic.critical import CriticalPoint, Hopf
 from vehicledyn.analyse.settling.simulated_cycles import STIFF
 from vehicledyn.analyses.hunting.start import HuntSettings, simulated_seconds
 from vehicledyn.kernel.kernel import Kernel
@@ -57,7 +57,7 @@ class Budget:
 
 
 def budget_of(
-    settings: HuntSettings, kernel: Kernel, balances: Sequence[Balance], hopfs: Sequence[Hopf]
+    settings: HuntSettings, kernel: Kernel, balances: Sequence[CriticalPoint], hopfs: Sequence[Hopf]
 ) -> Budget:
     """Return what is asked for, or where nothing is what suits the model."""
     cost = _cost_of_motion(kernel, balances)
@@ -74,7 +74,7 @@ def budget_of(
     return Budget(points, cycles, min(_POINTS, cycles // 2), seconds, each)
 
 
-def _cost_of_motion(kernel: Kernel, balances: Sequence[Balance]) -> float:
+def _cost_of_motion(kernel: Kernel, balances: Sequence[CriticalPoint]) -> float:
     """Return the seconds of processor time that a second of motion takes to simulate, roughly."""
     operations = kernel.report.operations
     rates = operations["rates"] + _ITERATIONS * operations["blocks"]

@@ -10,7 +10,7 @@ import numpy as np
 
 from vehicledyn.analyse.periodic.autonomous import AutonomousField
 from vehicledyn.analyse.periodic.critical import (
-    Balance,
+    CriticalPoint,
     Divergence,
     Hopf,
     ahead,
@@ -52,7 +52,7 @@ class Equilibria:
     model: AutonomousField
     starts: ParameterStarts
     span: tuple[float, float]
-    balances: list[Balance] = field(default_factory=list)
+    balances: list[CriticalPoint] = field(default_factory=list)
     _known: dict[float, Prepared] = field(default_factory=dict)
 
     def follow(self, values: Sequence[float], start: tuple[Vector, Vector], told: Progress) -> str:
@@ -86,7 +86,7 @@ class Equilibria:
             self._refuse_other_motion(found)
         return ""
 
-    def at(self, value: float, state: Vector, unknowns: Vector) -> Balance:
+    def at(self, value: float, state: Vector, unknowns: Vector) -> CriticalPoint:
         """Return the equilibrium at a value, near states and unknowns or that of the start."""
         if self.balances and self._starts_count:
             state, unknowns = self._start_at(value)
@@ -154,7 +154,7 @@ class Equilibria:
             "motion itself, without disturbances in 'initial'"
         )
 
-    def _refuse_other_motion(self, found: Balance) -> None:
+    def _refuse_other_motion(self, found: CriticalPoint) -> None:
         """Refuse an equilibrium that has not the rates of running on that its start asks for."""
         value = found.value
         prepared = self._prepared_at(value) if self._starts_count else self.starts.prepared

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vehicledyn.analyse.periodic.autonomous import AutonomousField
-from vehicledyn.analyse.periodic.critical import Balance, ahead, find_hopf
+from vehicledyn.analyse.periodic.critical import CriticalPoint, ahead, find_hopf
 from vehicledyn.analyses.hunting.equilibria import Equilibria
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.base.units import shown
@@ -27,7 +27,7 @@ _STEPS = 40
 class FurtherRange(NamedTuple):
     """Equilibria beside a range, up to where an oscillation begins to grow, and a message."""
 
-    balances: list[Balance]
+    balances: list[CriticalPoint]
     words: str
 
 
@@ -63,12 +63,12 @@ def lower_range(equilibria: Equilibria, span: tuple[float, float], unit: str) ->
     )
 
 
-def growing_shape(model: AutonomousField, balance: Balance) -> Vector:
+def growing_shape(model: AutonomousField, balance: CriticalPoint) -> Vector:
     """Return the shape of the oscillation that grows fastest, complex, shape (n_kept,)."""
     return _growing(model, balance)[1]
 
 
-def _growing(model: AutonomousField, balance: Balance) -> tuple[complex, Vector]:
+def _growing(model: AutonomousField, balance: CriticalPoint) -> tuple[complex, Vector]:
     """Return eigenvalue and shape of the oscillation that grows fastest."""
     found = model.evaluate(balance.state[None], balance.unknowns[None], balance.value)
     values, vectors = np.linalg.eig(found.by_state[0])

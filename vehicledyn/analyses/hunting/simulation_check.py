@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from vehicledyn.analyse.periodic.critical import Balance, Hopf
+from vehicledyn.analyse.periodic.critical import CriticalPoint, Hopf
 from vehicledyn.analyse.periodic.cycle_points import Branch
 from vehicledyn.analyse.settling.parameter_rampdown import (
     balances_near,
@@ -35,7 +35,7 @@ class Check:
     """A check while it is made: ``found`` are motions that last, ``messages`` for the user."""
 
     runner: Runner
-    balances: Sequence[Balance]
+    balances: Sequence[CriticalPoint]
     legs: Legs
     levels: int
     allowed: float

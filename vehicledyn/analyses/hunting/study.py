@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from vehicledyn.analyse.periodic.autonomous import AutonomousField
 from vehicledyn.analyse.periodic.branch import follow_cycles
 from vehicledyn.analyse.periodic.collocation import Direction
-from vehicledyn.analyse.periodic.critical import Balance, Divergence, Hopf
+from vehicledyn.analyse.periodic.critical import CriticalPoint, Divergence, Hopf
 from vehicledyn.analyse.periodic.cycle_points import Branch, CyclePoint, Limits
 from vehicledyn.analyse.periodic.orbit import Orbit
 from vehicledyn.analyse.periodic.outside_range import outer_range
@@ -111,7 +111,7 @@ class Study:
         )
 
     @property
-    def balances(self) -> list[Balance]:
+    def balances(self) -> list[CriticalPoint]:
         """The equilibria."""
         return self.equilibria.balances
 

@@ -35,7 +35,7 @@ from vehicledyn.multibody.elements.wheel_angles import WheelAngles
 from vehicledyn.multibody.loops.position_level import Positions
 from vehicledyn.results.hdf5.kept_work import KeptWork
 from vehicledyn.results.hdf5.output import check_output
-from vehicledyn.results.store.layout import Axis, ResultHeader, SummaryEntry
+from vehicledyn.results.store.layout import ResultHeader, SampleAxis, SummaryEntry
 from vehicledyn.results.store.writer import ResultWriter
 from vehicledyn.symbolic.equations import Channel
 
@@ -350,7 +350,7 @@ class _Files:
         )
 
     def _header(self, plots: list[dict[str, Any]]) -> ResultHeader:
-        axis = Axis("1", "Number of the place")
+        axis = SampleAxis("1", "Number of the place")
         if self.target.choices is None:
             title = f"Kinematics of {self.model}"
             return ResultHeader(title=title, model=self.model, plots=plots, axis=axis)

@@ -22,7 +22,7 @@ from vehicledyn.base.step_memory import Memory
 from vehicledyn.files.scenario.target import Target
 from vehicledyn.results.hdf5.kept_work import KeptWork
 from vehicledyn.results.hdf5.output import check_output
-from vehicledyn.results.store.layout import Axis, ResultHeader, SummaryEntry
+from vehicledyn.results.store.layout import ResultHeader, SampleAxis, SummaryEntry
 from vehicledyn.results.store.writer import ResultWriter
 from vehicledyn.symbolic.equations import Channel
 
@@ -299,7 +299,7 @@ def _write(
         title=f"Rig test '{name}' of {target.title}",
         model=target.model_name,
         plots=figures(channels, table, [corner.name for corner in bench.corners]),
-        axis=Axis("1", "Number of the place"),
+        axis=SampleAxis("1", "Number of the place"),
     )
     middle = int(np.argmin(np.abs(table[:, 0])))
     with ResultWriter(

@@ -39,7 +39,7 @@ _MOMENT = 1e-3
 
 
 @dataclass(frozen=True)
-class Entry:
+class LeadIn:
     """Time at which all axles are on straight track, and how far behind the start [s, m]."""
 
     time: float
@@ -65,7 +65,7 @@ class Search(Protocol):
 
 def led_into_curve(
     prepared: Prepared,
-    entry: Entry,
+    entry: LeadIn,
     start: tuple[Vector, Vector],
     search: Search,
     *,
@@ -116,7 +116,7 @@ def led_into_curve(
     return search(time=end, state=near.state, unknowns=near.unknowns, settling=None)
 
 
-def straight_before(prepared: Prepared, state: Vector, unknowns: Vector) -> Entry | None:
+def straight_before(prepared: Prepared, state: Vector, unknowns: Vector) -> LeadIn | None:
     """Return where the vehicle was last on straight track; None where it is, or does not move."""
     end = prepared.subject.balance_time
     track, places = axle_places(prepared, state, unknowns, end)
@@ -131,7 +131,7 @@ def straight_before(prepared: Prepared, state: Vector, unknowns: Vector) -> Entr
     time = end - distance / speed
     then = np.array(list(axle_places(prepared, state, unknowns, time)[1].values()))
     moved = float(np.abs(now - then - distance).max())
-    return Entry(time, distance) if moved < 0.5 * CLEAR else None
+    return LeadIn(time, distance) if moved < 0.5 * CLEAR else None
 
 
 def _to_straight(track: Track, places: Vector) -> float | None:

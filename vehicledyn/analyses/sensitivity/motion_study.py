@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.analyse.gradients.adjoint import FigureAdjoint
 from vehicledyn.analyse.gradients.corner_steps import has_corners
-from vehicledyn.analyse.gradients.equilibrium import Balance, BalancedStart, GivenSlopes
+from vehicledyn.analyse.gradients.equilibrium import BalancedStart, BalancedState, GivenSlopes
 from vehicledyn.analyse.gradients.key_figures import (
     FigureSlope,
     figure_slope,
@@ -22,7 +22,7 @@ from vehicledyn.analyse.gradients.key_figures import (
 from vehicledyn.analyse.gradients.motion import follow
 from vehicledyn.analyse.gradients.motion_slopes import MotionSlopes
 from vehicledyn.analyse.gradients.motion_stretches import KINDS as STRETCH_KINDS
-from vehicledyn.analyse.gradients.motion_stretches import Piece
+from vehicledyn.analyse.gradients.motion_stretches import PartitionPiece
 from vehicledyn.analyse.gradients.sampled_run import sampled_run
 from vehicledyn.analyses.linear.written_starts import WrittenStarts
 from vehicledyn.analyses.preparation.prepare import Point, set_speed, start_point
@@ -236,9 +236,9 @@ class MotionStudy:
         start = (self.start.state, self.start.unknowns)
         return self.course.run(kernel, self.grid, self.n_intervals, start)
 
-    def _parts(self) -> tuple[Piece, ...]:
+    def _parts(self) -> tuple[PartitionPiece, ...]:
         """Return the pieces of the motion between changes of its dependent coordinates."""
-        begin = Piece(self.grid.start, self.prepared.kernel, self.code)
+        begin = PartitionPiece(self.grid.start, self.prepared.kernel, self.code)
         course, e = self.changes(), self.prepared.equations
         if course is None or not course.changes:
             return (begin,)
@@ -266,13 +266,13 @@ class MotionStudy:
                 course.times, wanted, nothing, last, np.zeros((n_x, 0)), [], ended_by
             )
         if kernel.equations.events:
-            return self._without_slopes(Piece(self.grid.start, kernel, self.code), [])
+            return self._without_slopes(PartitionPiece(self.grid.start, kernel, self.code), [])
         times, values, state = sampled_run(kernel, *given, start)
         chosen = values[:, self.channels]
         empty = np.zeros((*chosen.shape, 0))
         return MotionSlopes(times, chosen, empty, state, np.zeros((n_x, 0)), [], "")
 
-    def _without_slopes(self, first: Piece, later: list[Piece]) -> MotionSlopes:
+    def _without_slopes(self, first: PartitionPiece, later: list[PartitionPiece]) -> MotionSlopes:
         """Return the motion as it is followed, by no directions."""
         none = [np.zeros((n, 0)) for n in (len(first.kernel.parameters), len(self.start.state))]
         return follow(
@@ -316,7 +316,7 @@ class MotionStudy:
         parameters = kernel.parameters
         kernel.set_parameters(held)
         point = (state, self.start.unknowns)
-        balance = Balance(parameters, subject.balance_time, point, pairs)
+        balance = BalancedState(parameters, subject.balance_time, point, pairs)
         return BalancedStart(balance, tuple(others))
 
     def given_slopes(self, chosen: Directions) -> GivenSlopes:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from vehicledyn.analyse.gradients.motion_stretches import Piece
+from vehicledyn.analyse.gradients.motion_stretches import PartitionPiece
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.kernel.kernel import Kernel
 from vehicledyn.kernel.tangent_code import TangentCode
@@ -21,8 +21,11 @@ class Pieces:
     )
 
     def of(
-        self, begin: Piece, changes: Sequence[tuple[float, Kernel]], channels: Sequence[str]
-    ) -> tuple[Piece, ...]:
+        self,
+        begin: PartitionPiece,
+        changes: Sequence[tuple[float, Kernel]],
+        channels: Sequence[str],
+    ) -> tuple[PartitionPiece, ...]:
         """Return the pieces of a motion that observe channels, the first one first.
 
         Parameters
@@ -48,7 +51,7 @@ class Pieces:
             if k == 0 and len(names) == len(channels):
                 found.append(begin)
             else:
-                found.append(Piece(time, kernel, self._code(kernel.equations, names)))
+                found.append(PartitionPiece(time, kernel, self._code(kernel.equations, names)))
         return tuple(found)
 
     def _code(self, equations: Equations, names: Sequence[str]) -> TangentCode:

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.integrate.course import Course, MethodState
+from vehicledyn.integrate.course import MethodState, RunHistory
 from vehicledyn.integrate.fixed_step import FixedSteps
 from vehicledyn.integrate.simulate import Solver, make_task
 from vehicledyn.integrate.task import EachStep, Happened, Sink, Statistics, StepError
@@ -101,7 +101,7 @@ class RunPlan:
         sink: Sink,
         parts: list[Statistics],
         progress: Progress,
-        course: Course | None = None,
+        course: RunHistory | None = None,
         each_step: EachStep | None = None,
         carried: MethodState | None = None,
     ) -> Statistics:

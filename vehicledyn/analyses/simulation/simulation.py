@@ -47,7 +47,7 @@ from vehicledyn.analyses.simulation.wanted_outputs import (
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.base.units import shown
 from vehicledyn.files.scenario import LoadedScenario
-from vehicledyn.integrate.course import Course, most_numbers
+from vehicledyn.integrate.course import RunHistory, most_numbers
 from vehicledyn.integrate.task import Statistics
 from vehicledyn.kernel.make_kernel import Backend
 from vehicledyn.results.hdf5.output import check_output
@@ -205,7 +205,7 @@ class _Run:
                     happened=lambda name, t: self._happened(writer, EventRecord(t, name)),
                     watch=lambda: self.prepared.watch,
                     judged=judged_by(self.prepared.subject, self.prepared.equations),
-                    course=Course(
+                    course=RunHistory(
                         lambda t, numbers: writer.note(History(t, numbers)),
                         None if known is None else known.beginning_for(self.prepared, self.kept),
                         writer.keep,

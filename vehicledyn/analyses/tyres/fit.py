@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from vehicledyn.analyses.tyres.fitted_file import write_fitted
 from vehicledyn.base.argument_names import argument
 from vehicledyn.base.errors import InputError, NumericalError, unknown_name
-from vehicledyn.base.files.column_files import Column, read_columns
+from vehicledyn.base.files.column_files import ColumnKind, read_columns
 from vehicledyn.road.tyre_files.names import coefficients
 from vehicledyn.road.tyre_files.tyre_file import TURNED
 from vehicledyn.road.tyres.file_tyre import FileTyre
@@ -27,15 +27,15 @@ CONFIDENCE = 0.95
 """Probability of the intervals of coefficients, if errors are independent and normal [1]."""
 
 _INPUTS = {
-    "load": Column("N", required=True),
-    "longitudinal_slip": Column("1"),
-    "slip_angle": Column("rad"),
-    "camber": Column("rad"),
+    "load": ColumnKind("N", required=True),
+    "longitudinal_slip": ColumnKind("1"),
+    "slip_angle": ColumnKind("rad"),
+    "camber": ColumnKind("rad"),
 }
 _FORCES = {
-    "longitudinal_force": Column("N"),
-    "lateral_force": Column("N"),
-    "aligning_moment": Column("N*m"),
+    "longitudinal_force": ColumnKind("N"),
+    "lateral_force": ColumnKind("N"),
+    "aligning_moment": ColumnKind("N*m"),
 }
 _USUAL = {
     "longitudinal_force": ("PCX1", "PDX1", "PDX2", "PEX1", "PKX1", "PKX2", "PHX1", "PVX1"),

@@ -24,7 +24,7 @@ _MOST_TOLD = 20
 
 
 @dataclass(frozen=True)
-class Column:
+class ColumnKind:
     """What a column holds: the unit of its numbers in SI, or texts where that is None."""
 
     unit: str | None
@@ -55,7 +55,7 @@ class Columns:
         return Problem(self.file, Mark(self.lines[row], column), name, words)
 
 
-def read_columns(path: Path, known: Mapping[str, Column], *, is_open: bool = False) -> Columns:
+def read_columns(path: Path, known: Mapping[str, ColumnKind], *, is_open: bool = False) -> Columns:
     """Return the columns of a file.
 
     Parameters
@@ -97,7 +97,7 @@ def _taken(
     columns: Columns,
     line: int,
     cells: list[tuple[int, str]],
-    known: Mapping[str, Column],
+    known: Mapping[str, ColumnKind],
     factors: Mapping[str, float],
 ) -> list[Problem]:
     """Enter the cells of a line and return what is wrong with them."""
@@ -134,7 +134,7 @@ def _number(text: str) -> float | None:
 
 
 def _head(
-    file: str, lines: list[str], known: Mapping[str, Column], *, is_open: bool
+    file: str, lines: list[str], known: Mapping[str, ColumnKind], *, is_open: bool
 ) -> tuple[Columns, str, int]:
     """Return empty columns, what parts them, and the number of the line that names them."""
     begin = next((k for k, line in enumerate(lines) if line.partition("#")[0].strip()), None)
@@ -170,7 +170,7 @@ def _head(
     return columns, separator, begin + 1
 
 
-def _wrong_head(name: str, unit: str | None, known: Mapping[str, Column]) -> str:
+def _wrong_head(name: str, unit: str | None, known: Mapping[str, ColumnKind]) -> str:
     if name not in known:
         return unknown_name("column", name, known)
     wanted = known[name].unit
@@ -187,7 +187,7 @@ def _wrong_head(name: str, unit: str | None, known: Mapping[str, Column]) -> str
     return ""
 
 
-def _example(name: str, known: Mapping[str, Column]) -> str:
+def _example(name: str, known: Mapping[str, ColumnKind]) -> str:
     unit = known[name].unit
     return f"'{name}'" if unit is None else f"'{name} [{unit}]'"
 

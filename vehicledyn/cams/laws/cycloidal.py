@@ -6,7 +6,7 @@ import math
 
 from vehicledyn.base.registry import register
 from vehicledyn.cams.motion_law import MotionLaw
-from vehicledyn.cams.pieces import Piece, PieceCurve
+from vehicledyn.cams.pieces import CurvePiece, PieceCurve
 
 
 @register("motion_law", "cycloidal")
@@ -16,4 +16,4 @@ class Cycloidal(MotionLaw):
     def curve(self) -> PieceCurve:
         """Return the line less the sine."""
         turn = 2.0 * math.pi
-        return PieceCurve((Piece(0.0, 1.0, (0.0, 1.0), ((-1.0 / turn, turn, 0.0),)),))
+        return PieceCurve((CurvePiece(0.0, 1.0, (0.0, 1.0), ((-1.0 / turn, turn, 0.0),)),))

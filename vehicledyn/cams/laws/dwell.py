@@ -8,7 +8,7 @@ from pydantic import model_validator
 
 from vehicledyn.base.registry import register
 from vehicledyn.cams.motion_law import MotionLaw
-from vehicledyn.cams.pieces import Piece, PieceCurve
+from vehicledyn.cams.pieces import CurvePiece, PieceCurve
 
 
 @register("motion_law", "dwell")
@@ -23,4 +23,4 @@ class Dwell(MotionLaw):
 
     def curve(self) -> PieceCurve:
         """Return a constant."""
-        return PieceCurve((Piece(0.0, 1.0, (0.0,)),))
+        return PieceCurve((CurvePiece(0.0, 1.0, (0.0,)),))

@@ -6,7 +6,7 @@ import math
 
 from vehicledyn.base.registry import register
 from vehicledyn.cams.motion_law import MotionLaw
-from vehicledyn.cams.pieces import Piece, PieceCurve
+from vehicledyn.cams.pieces import CurvePiece, PieceCurve
 
 
 @register("motion_law", "harmonic")
@@ -15,4 +15,4 @@ class Harmonic(MotionLaw):
 
     def curve(self) -> PieceCurve:
         """Return half a cosine."""
-        return PieceCurve((Piece(0.0, 1.0, (0.5,), ((-0.5, math.pi, 0.5 * math.pi),)),))
+        return PieceCurve((CurvePiece(0.0, 1.0, (0.5,), ((-0.5, math.pi, 0.5 * math.pi),)),))

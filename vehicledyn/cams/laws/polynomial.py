@@ -11,7 +11,7 @@ from pydantic import model_validator
 from vehicledyn.base.parameters import quantity
 from vehicledyn.base.registry import register
 from vehicledyn.cams.motion_law import MotionLaw
-from vehicledyn.cams.pieces import Piece, PieceCurve
+from vehicledyn.cams.pieces import CurvePiece, PieceCurve
 
 _MOST = 24
 """Highest degree that double precision settles."""
@@ -67,4 +67,4 @@ class BoundaryPolynomial(MotionLaw):
             rows.append([place**p for p in powers])
             sides.append(value - sum(place**p * c for p, c in enumerate(fixed)))
         rest: Any = np.linalg.solve(np.array(rows, dtype=float), np.array(sides)) if rows else []
-        return PieceCurve((Piece(0.0, 1.0, (*fixed, *map(float, rest))),))
+        return PieceCurve((CurvePiece(0.0, 1.0, (*fixed, *map(float, rest))),))

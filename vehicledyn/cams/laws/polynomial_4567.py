@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from vehicledyn.base.registry import register
 from vehicledyn.cams.motion_law import MotionLaw
-from vehicledyn.cams.pieces import Piece, PieceCurve
+from vehicledyn.cams.pieces import CurvePiece, PieceCurve
 
 
 @register("motion_law", "polynomial_4567")
@@ -13,4 +13,4 @@ class Polynomial4567(MotionLaw):
 
     def curve(self) -> PieceCurve:
         """Return the polynomial."""
-        return PieceCurve((Piece(0.0, 1.0, (0.0, 0.0, 0.0, 0.0, 35.0, -84.0, 70.0, -20.0)),))
+        return PieceCurve((CurvePiece(0.0, 1.0, (0.0, 0.0, 0.0, 0.0, 35.0, -84.0, 70.0, -20.0)),))

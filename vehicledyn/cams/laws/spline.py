@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 from vehicledyn.base.parameters import quantity
 from vehicledyn.base.registry import register
 from vehicledyn.cams.motion_law import MotionLaw
-from vehicledyn.cams.pieces import Piece, PieceCurve
+from vehicledyn.cams.pieces import CurvePiece, PieceCurve
 
 
 @register("motion_law", "spline")
@@ -85,6 +85,6 @@ def spline_pieces(x: Any, y: Any, degree: int, *, periodic: bool) -> PieceCurve:
         width = float(stop - begin)
         if width > 0.0:
             scaled = [float(c) * width**p for p, c in enumerate(rows.c[::-1, k])]
-            pieces.append(Piece(float(begin), width, tuple(scaled)))
+            pieces.append(CurvePiece(float(begin), width, tuple(scaled)))
     inside = [p for p in pieces if x[0] <= p.begin < x[-1]]
     return PieceCurve(tuple(inside))

@@ -32,7 +32,7 @@ _NOT_OPENED = (OSError, AttributeError, ValueError, RuntimeError)
 
 
 @dataclass(frozen=True)
-class Entry:
+class CachedLibrary:
     """A library ready to load: its path, whether it was found, and a remark for the user.
 
     ``temporary`` is the folder to remove once the library is loaded, where it is not kept.
@@ -72,7 +72,7 @@ def key_of(*parts: str) -> str:
     return digest.hexdigest()[:32]
 
 
-def obtain(key: str, build: Callable[[Path], Path]) -> Entry:
+def obtain(key: str, build: Callable[[Path], Path]) -> CachedLibrary:
     """Return the entry of a key, building it where it is missing or damaged.
 
     Parameters
@@ -92,19 +92,19 @@ def obtain(key: str, build: Callable[[Path], Path]) -> Entry:
         return _build_apart(build, reason)
     found, remark = _find(folder, key)
     if found is not None:
-        return Entry(found, found=True)
+        return CachedLibrary(found, found=True)
     try:
         folder.mkdir(parents=True, exist_ok=True, mode=0o700)
         _remove_leftovers(folder)
         with tempfile.TemporaryDirectory(dir=folder, prefix=_BUILDING) as place:
-            return Entry(_enter(folder, key, build(Path(place))), False, remark)
+            return CachedLibrary(_enter(folder, key, build(Path(place))), False, remark)
     except (OSError, CompilationError) as error:
         return _build_apart(build, f"the cache folder {folder} cannot be used ({error})")
 
 
 def load(
     key: str, build: Callable[[Path], Path], open_library: Callable[[Path], T]
-) -> tuple[T, Entry]:
+) -> tuple[T, CachedLibrary]:
     """Return what is in the library of a key, and its entry.
 
     One that is whole but cannot be opened is built once more.
@@ -144,7 +144,7 @@ def known(key: str) -> Path | None:
     return None if distrust() else _find(cache_folder(), key)[0]
 
 
-def discard(entry: Entry) -> None:
+def discard(entry: CachedLibrary) -> None:
     """Remove an entry that passed the check but cannot be loaded."""
     entry.path.unlink(missing_ok=True)
 
@@ -192,7 +192,7 @@ def _remove_leftovers(folder: Path) -> None:
                 shutil.rmtree(place, ignore_errors=True)
 
 
-def _build_apart(build: Callable[[Path], Path], reason: str) -> Entry:
+def _build_apart(build: Callable[[Path], Path], reason: str) -> CachedLibrary:
     workplace = tempfile.TemporaryDirectory(prefix="vehicledyn-", ignore_cleanup_errors=True)
     remark = f"{reason}; the kernel is compiled for this run only"
     unsafe = writable_by_others(Path(workplace.name))
@@ -200,7 +200,7 @@ def _build_apart(build: Callable[[Path], Path], reason: str) -> Entry:
         workplace.cleanup()
         raise CompilationError(f"{reason}, and in the folder for temporary files {unsafe}")
     try:
-        return Entry(build(Path(workplace.name)), False, remark, workplace)
+        return CachedLibrary(build(Path(workplace.name)), False, remark, workplace)
     except CompilationError:
         workplace.cleanup()
         raise

@@ -10,7 +10,7 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.files.building.road_choice import RoadChoice
 from vehicledyn.files.expressions.algebra import NUMBERS, SYMBOLS
 from vehicledyn.files.expressions.expressions import Expression
-from vehicledyn.files.expressions.parameters import Entry
+from vehicledyn.files.expressions.parameters import ParameterEntry
 from vehicledyn.files.system.checks.variables import Variables
 from vehicledyn.files.system.read import SystemModel
 from vehicledyn.rail.track.track import Track
@@ -69,7 +69,7 @@ class Values:
             "give one to the scenario"
         )
 
-    def _enter(self, entry: Entry) -> Any:
+    def _enter(self, entry: ParameterEntry) -> Any:
         """Return the symbols of a parameter; what is calculated from others stays so."""
         entered = [
             self.table.add(name, number, measure.unit, entry.description)

@@ -22,7 +22,7 @@ RESERVED = {*FUNCTIONS, "pi", "time"}
 
 
 @dataclass(frozen=True)
-class Entry:
+class ParameterEntry:
     """One parameter: what the file gives, what it is measured in and its value in SI."""
 
     name: str
@@ -53,7 +53,7 @@ class Entry:
 class Parameters:
     """All parameters of a system, and what is wrong with them by place in the file."""
 
-    entries: list[Entry] = field(default_factory=list)
+    entries: list[ParameterEntry] = field(default_factory=list)
     problems: list[tuple[Place, str]] = field(default_factory=list)
     declared: set[str] = field(default_factory=set)
 
@@ -181,7 +181,9 @@ def _resolve(declared: dict[str, _Declared], found: Parameters, before: Mapping[
             failed.add(name)
             return
         values[name], measures[name] = value, measure
-        found.entries.append(Entry(name, item.expression, item.description, measure, value))
+        found.entries.append(
+            ParameterEntry(name, item.expression, item.description, measure, value)
+        )
 
     for name in declared:
         visit(name, ())

@@ -16,8 +16,8 @@ from vehicledyn.integrate.accuracy.windows import (
     SPENT,
     UNEVEN,
     WHOLE,
-    Grid,
     Pieces,
+    StepGrid,
     WindowStart,
     may_be_repeated,
     timed,
@@ -43,7 +43,7 @@ class LaneMonitor:
     """
 
     kernel: Kernel
-    grid: Grid
+    grid: StepGrid
     channels: list[int]
     kept: list[int]
     differences: list[Vector] = field(default_factory=list)
@@ -207,7 +207,7 @@ def _no_rerun(*_: Any) -> Statistics:
 
 
 def lane_watch(
-    kernel: Kernel, grid: Grid | None, judged: Judged, columns: list[int]
+    kernel: Kernel, grid: StepGrid | None, judged: Judged, columns: list[int]
 ) -> LaneMonitor | None:
     """Return a watch of lanes whose samples hold the channels ``columns``, None without a grid."""
     if grid is None:

@@ -31,8 +31,8 @@ from vehicledyn.integrate.accuracy.windows import (
     SPENT,
     STEPS,
     UNEVEN,
-    Grid,
     Pieces,
+    StepGrid,
     WindowStart,
     may_be_repeated,
     order_of,
@@ -81,7 +81,7 @@ class Windows:
 
     @classmethod
     def of(
-        cls, rows: Sequence[Vector | None], grid: Grid, ranges: Ranges, n_samples: int
+        cls, rows: Sequence[Vector | None], grid: StepGrid, ranges: Ranges, n_samples: int
     ) -> Windows:
         """Return them from how far finer steps lead elsewhere, None where that does not count."""
         numbers = [k for k, row in enumerate(rows) if row is not None]
@@ -251,7 +251,7 @@ class AccuracyMonitor(MonitoredRun):
         return bool(((growth > _GROWN) & (errors[-1] > _ERRING)).any())
 
 
-def most_bound(kernel: Kernel, grid: Grid) -> float:
+def most_bound(kernel: Kernel, grid: StepGrid) -> float:
     """Return what errors in windows may add up to without a second look, as a part of a range."""
     limits = _MOST_IF_CHEAP if may_be_repeated(kernel, grid) else _MOST_BOUND
     return limits[order_of(grid.method)]

@@ -16,8 +16,8 @@ from vehicledyn.integrate.accuracy.windows import (
     STEPS,
     UNEVEN,
     WHOLE,
-    Grid,
     Pieces,
+    StepGrid,
     WindowEnds,
     WindowStart,
     is_stuck,
@@ -25,7 +25,7 @@ from vehicledyn.integrate.accuracy.windows import (
     window_count,
 )
 from vehicledyn.integrate.channel_ranges import Ranges
-from vehicledyn.integrate.course import Course
+from vehicledyn.integrate.course import RunHistory
 from vehicledyn.integrate.judged_quantities import Judged
 from vehicledyn.integrate.task import Sink, Statistics
 from vehicledyn.kernel.engine import Vector
@@ -84,7 +84,7 @@ class MonitoredRun:
     """
 
     equations: Equations
-    grid: Grid
+    grid: StepGrid
     judged: Judged
     rerun: Rerun
     divided: int = 2
@@ -110,7 +110,7 @@ class MonitoredRun:
         """The kernel that the run began with."""
         return self.places[0].kernel
 
-    def take_past(self, kernel: Kernel, course: Course | None) -> None:
+    def take_past(self, kernel: Kernel, course: RunHistory | None) -> None:
         """Go on by the samples up to where a continued run begins, if they are known."""
         if course is None or course.beginning is None or course.beginning.past is None:
             return

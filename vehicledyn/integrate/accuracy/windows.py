@@ -45,7 +45,7 @@ _ITERATIONS, _INTERPRETED = 4, 300
 
 
 @dataclass(frozen=True)
-class Grid:
+class StepGrid:
     """When a run with a fixed step takes its steps and samples; ``method`` as in ``March``.
 
     ``solver`` are the settings of a method whose steps are taken outside of the kernel.
@@ -61,7 +61,7 @@ class Grid:
     @classmethod
     def of(
         cls, solver: Any, start: float, interval: float, per_interval: int, n_intervals: int
-    ) -> Grid | None:
+    ) -> StepGrid | None:
         """Return the grid of a method with a fixed step by its settings, None for others."""
         times = start, interval, per_interval, n_intervals
         if hasattr(solver, "fixed_method"):
@@ -151,7 +151,7 @@ class WindowEnds:
         That of the places where windows begin.
     """
 
-    def __init__(self, grid: Grid, kernel: Kernel) -> None:
+    def __init__(self, grid: StepGrid, kernel: Kernel) -> None:
         self._grid, self.kernel = grid, kernel
         e = kernel.equations
         state, unknowns = np.zeros(len(e.states)), np.zeros(len(e.unknowns))
@@ -192,7 +192,7 @@ class WindowEnds:
         return found
 
 
-def timed(grid: Grid, begin: float, pieces: Pieces) -> list[tuple[float, float, int]]:
+def timed(grid: StepGrid, begin: float, pieces: Pieces) -> list[tuple[float, float, int]]:
     """Return start [s], length [s] and number of steps of the pieces of a window."""
     found, part = [], 0.0
     for share, count in pieces:
@@ -202,7 +202,7 @@ def timed(grid: Grid, begin: float, pieces: Pieces) -> list[tuple[float, float, 
     return found
 
 
-def _solved_end(grid: Grid, place: WindowStart, pieces: Pieces) -> Vector | None:
+def _solved_end(grid: StepGrid, place: WindowStart, pieces: Pieces) -> Vector | None:
     """Return the same for a method whose steps are taken outside of the kernel."""
     found: list[tuple[Vector, Vector, Vector]] = []
     state, unknowns = place.state, place.unknowns
@@ -243,7 +243,7 @@ def is_cheap(kernel: Kernel, method: int, steps: float) -> bool:
     return kernel.backend == "compiled" and steps * operations_of_step(kernel, method) <= _CHEAP
 
 
-def may_be_repeated(kernel: Kernel, grid: Grid) -> bool:
+def may_be_repeated(kernel: Kernel, grid: StepGrid) -> bool:
     """Return whether a whole run with half the step is cheap."""
     return is_cheap(kernel, grid.method, 2.0 * grid.n_steps)
 
@@ -260,7 +260,7 @@ def window_places(n_intervals: int, count: int) -> list[int]:
     return found if found[-1] == n_intervals else [*found, n_intervals]
 
 
-def window_count(kernel: Kernel, grid: Grid, *, by_itself: bool) -> int:
+def window_count(kernel: Kernel, grid: StepGrid, *, by_itself: bool) -> int:
     """Return how many windows a run can afford; the same for the same run everywhere.
 
     One more is at its end.

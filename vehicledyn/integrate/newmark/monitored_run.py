@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from vehicledyn.integrate.accuracy.monitored_run import MethodAndStep, Rerun
-from vehicledyn.integrate.accuracy.windows import Grid, WindowStart
+from vehicledyn.integrate.accuracy.windows import StepGrid, WindowStart
 from vehicledyn.integrate.fixed_step import steps_per_interval, watch_of
 from vehicledyn.integrate.newmark.family import run_newmark
 from vehicledyn.integrate.newmark.weights import Constraints, Weights
@@ -47,7 +47,7 @@ def run_monitored(task: Task, name: str, solver: Any, weights: Weights) -> Stati
     if task.watched and solver.monitored_method is not None:
         per_interval = steps_per_interval(solver.step, task.interval)
         times = task.start, task.interval, per_interval, task.n_intervals
-        watch = watch_of(task, Grid(solver.monitored_method, *times, solver), rerun_of(solver))
+        watch = watch_of(task, StepGrid(solver.monitored_method, *times, solver), rerun_of(solver))
     found = run_newmark(task, name, weights, solver.step, tolerance=solver.tolerance, **more)
     if watch is None:
         return found

@@ -31,7 +31,7 @@ class Attachment:
 
 @register("element_type", "link")
 @dataclass(frozen=True)
-class Link(BasePart):
+class PointForce(BasePart):
     """A massless force element between two points, F(Z, Ż), positive in tension.
 
     Without a direction the force acts along the line between the points, which must never

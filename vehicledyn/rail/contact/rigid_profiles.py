@@ -9,7 +9,7 @@ from vehicledyn.rail.contact.rigid_contact import RigidWheel
 from vehicledyn.rail.contact.rigid_touch import TouchingWheel
 from vehicledyn.rail.geometry.contact_geometry import Pose, Rail, Wheel, wheel_standing
 from vehicledyn.rail.profiles.outline import TableOutline
-from vehicledyn.rail.profiles.profile_pieces import Table
+from vehicledyn.rail.profiles.profile_pieces import QuinticTable
 from vehicledyn.rail.track.track import Side
 from vehicledyn.symbolic.ops import Scalar
 from vehicledyn.symbolic.tables import CurveTable
@@ -69,7 +69,7 @@ def rigid_wheels(
     )
 
 
-def outline(name: str, table: Table) -> TableOutline:
+def outline(name: str, table: QuinticTable) -> TableOutline:
     """Return a profile with cells of equal width, twice differentiable."""
     count = int(np.floor((table.end - table.begin) / OUTLINE_STEP * (1.0 + 1e-12)))
     places = table.begin + OUTLINE_STEP * np.arange(count + 1, dtype=np.float64)

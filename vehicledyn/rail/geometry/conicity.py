@@ -39,7 +39,7 @@ _HALVINGS = 60
 _EDGE = 1e-9
 
 
-class Path(NamedTuple):
+class LateralMotion(NamedTuple):
     """Turning points of a motion and its wavelength [m]."""
 
     left: float
@@ -124,7 +124,9 @@ class RadiusDifference:
         return bool((np.abs(self.at(places)) <= LEVEL).all())
 
 
-def free_path(table: RadiusDifference, amplitude: float, base: float, radius: float) -> Path | None:
+def free_path(
+    table: RadiusDifference, amplitude: float, base: float, radius: float
+) -> LateralMotion | None:
     """Return the motion of an amplitude, None if the table is too short or there is none.
 
     Its wavelength is infinite where there is no difference over the whole amplitude.
@@ -141,7 +143,7 @@ def free_path(table: RadiusDifference, amplitude: float, base: float, radius: fl
         Rolling radius r in the middle [m].
     """
     if table.is_level(table.middle - amplitude, table.middle + amplitude):
-        return Path(table.middle + amplitude, table.middle - amplitude, np.inf)
+        return LateralMotion(table.middle + amplitude, table.middle - amplitude, np.inf)
     left = _turning_point(table, amplitude)
     if left is None:
         return None
@@ -152,7 +154,7 @@ def free_path(table: RadiusDifference, amplitude: float, base: float, radius: fl
         return None
     speeds = np.sqrt(2.0 / (base * radius) * below)
     half = np.pi / _NODES * np.sum(amplitude * np.cos(angles) / speeds)
-    return Path(left, left - 2.0 * amplitude, 2.0 * float(half))
+    return LateralMotion(left, left - 2.0 * amplitude, 2.0 * float(half))
 
 
 def _turning_point(table: RadiusDifference, amplitude: float) -> float | None:

@@ -33,7 +33,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.rail.profiles.profile import Profile, tabulated
-from vehicledyn.rail.profiles.profile_pieces import Floats, Table
+from vehicledyn.rail.profiles.profile_pieces import Floats, QuinticTable
 
 SCAN_STEP = 1e-4
 """Distance of the places on a wheel at which minima are looked for [m]."""
@@ -75,7 +75,7 @@ class Wheel:
     half_distance: float
 
     @cached_property
-    def table(self) -> Table:
+    def table(self) -> QuinticTable:
         """The profile as a table, steep ends left out."""
         return self.profile.sampled(SCAN_STEP)
 
@@ -99,7 +99,7 @@ class Rail:
     profile: Profile
     inclination: float
     origin: tuple[float, float]
-    surface: Table
+    surface: QuinticTable
 
     def on_profile(self, y: Floats, z: Floats) -> Floats:
         """Return the lateral coordinate on the profile of places on the rail [m]."""
@@ -163,7 +163,7 @@ def place_rail(profile: Profile, inclination: float, gauge: float, gauge_depth: 
     if face <= leaning.begin:  # the table ends above that depth, where the flank is steep
         face = _steep_face(profile, inclination, top - gauge_depth)
     across = 0.5 * gauge - face
-    surface = Table(
+    surface = QuinticTable(
         leaning.places + across,
         leaning.left - np.array([[top], [0.0], [0.0]]),
         leaning.right - np.array([[top], [0.0], [0.0]]),
@@ -171,14 +171,14 @@ def place_rail(profile: Profile, inclination: float, gauge: float, gauge_depth: 
     return Rail(profile, inclination, (across, -top), surface)
 
 
-def _highest(surface: Table, places: Floats) -> float:
+def _highest(surface: QuinticTable, places: Floats) -> float:
     heights = surface.height(places)
     best = int(np.argmax(heights))
     fine = np.linspace(places[max(best - 1, 0)], places[min(best + 1, len(places) - 1)], 401)
     return float(np.max(surface.height(fine)))
 
 
-def gauge_face(surface: Table, places: Floats, level: float) -> float:
+def gauge_face(surface: QuinticTable, places: Floats, level: float) -> float:
     """Return the innermost place at or above a level."""
     above = np.flatnonzero(surface.height(places) >= level)
     first = int(above[0])

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from vehicledyn.rail.geometry.contact_geometry import FACE_STEP, RAIL_STEP, Rail, gauge_face
-from vehicledyn.rail.profiles.profile_pieces import Floats, Table
+from vehicledyn.rail.profiles.profile_pieces import Floats, QuinticTable
 
 _REFINEMENTS = 12
 
@@ -45,7 +45,7 @@ def rail_rates(rail: Rail, gauge_depth: float, y: float) -> dict[str, tuple[floa
     }
 
 
-def _crown(surface: Table, places: Floats) -> float:
+def _crown(surface: QuinticTable, places: Floats) -> float:
     """Return where a surface is highest."""
     best = int(np.argmax(surface.height(places)))
     y = float(places[best])

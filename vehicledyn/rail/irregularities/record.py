@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 from pydantic import Field
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.files.column_files import Column
+from vehicledyn.base.files.column_files import ColumnKind
 from vehicledyn.base.parameters import quantity
 from vehicledyn.base.registry import register
 from vehicledyn.rail.track.track_set import IrregularitySet
@@ -25,7 +25,7 @@ LARGEST = 0.2
 """Irregularity beyond which the unit of a column is taken for a mistake [m]."""
 
 _QUANTITIES = ("alignment", "level", "cross_level", "gauge")
-_COLUMNS = {"s": Column("m", required=True), **{name: Column("m") for name in _QUANTITIES}}
+_COLUMNS = {"s": ColumnKind("m", required=True), **{name: ColumnKind("m") for name in _QUANTITIES}}
 _EVEN = 1e-6
 
 MOST_VALUES = 2_000_000

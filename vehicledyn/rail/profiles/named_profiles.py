@@ -8,7 +8,7 @@ from typing import Any
 from vehicledyn.base.units import to_si
 from vehicledyn.rail.profiles.profile import Profile
 from vehicledyn.rail.profiles.profile_names import Kind, arc_radius, cone_slope, standard_data
-from vehicledyn.rail.profiles.profile_pieces import Arc, Piece, Polynomial
+from vehicledyn.rail.profiles.profile_pieces import Arc, Polynomial, ProfilePiece
 
 _HALF_CONE, _HALF_ARC = 0.06, 0.036
 
@@ -54,7 +54,7 @@ def circle(radius: float, kind: Kind) -> Profile:
     return Profile(f"arc of radius {radius:g} m", kind, (arc,), "formula")
 
 
-def tangential_arcs(data: dict[str, Any], unit: float) -> tuple[Piece, ...]:
+def tangential_arcs(data: dict[str, Any], unit: float) -> tuple[ProfilePiece, ...]:
     """Return a symmetric head of arcs that meet without corner, then a straight flank.
 
     ``radii`` run from the crown outwards, ``widths`` are the full widths at which one arc ends,
@@ -83,7 +83,7 @@ def tangential_arcs(data: dict[str, Any], unit: float) -> tuple[Piece, ...]:
     return (*left, arcs[0], *right)
 
 
-def _mirrored(piece: Arc | Polynomial) -> Piece:
+def _mirrored(piece: Arc | Polynomial) -> ProfilePiece:
     if isinstance(piece, Arc):
         centre = (-piece.centre[0], piece.centre[1])
         return Arc(-piece.end, -piece.begin, centre, piece.radius, piece.side)
@@ -91,11 +91,11 @@ def _mirrored(piece: Arc | Polynomial) -> Piece:
     return Polynomial(-piece.end, -piece.begin, turned, piece.unit)
 
 
-def _zones(zones: list[dict[str, Any]], unit: float) -> tuple[Piece, ...]:
+def _zones(zones: list[dict[str, Any]], unit: float) -> tuple[ProfilePiece, ...]:
     return tuple(_zone(zone, unit) for zone in zones)
 
 
-def _zone(zone: dict[str, Any], unit: float) -> Piece:
+def _zone(zone: dict[str, Any], unit: float) -> ProfilePiece:
     begin, end = zone["begin"] * unit, zone["end"] * unit
     if "coefficients" in zone:
         return Polynomial(begin, end, tuple(float(c) for c in zone["coefficients"]), unit)

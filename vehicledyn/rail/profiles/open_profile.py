@@ -14,7 +14,7 @@ from vehicledyn.rail.profiles.profile import Measured, Profile
 from vehicledyn.rail.profiles.profile_defects import find_scatter
 from vehicledyn.rail.profiles.profile_files import read_points
 from vehicledyn.rail.profiles.profile_names import Kind, is_name
-from vehicledyn.rail.profiles.profile_pieces import Floats, Table
+from vehicledyn.rail.profiles.profile_pieces import Floats, QuinticTable
 from vehicledyn.rail.profiles.profile_reading import AS_IT_IS, ProfileReading
 from vehicledyn.rail.profiles.profile_shape import NARROWEST, Measurement, in_our_axes
 from vehicledyn.rail.profiles.smoothing import Smoothed, proposed_wavelength, slope_noise, smoothed
@@ -132,7 +132,7 @@ def _mrad(scatter: float, spacing: float, wavelength: float) -> str:
     return f"{1e3 * slope_noise(scatter, spacing, wavelength):.2g} mrad"
 
 
-def _with_datum(curve: Table, kind: Kind) -> tuple[Table, float, list[str]]:
+def _with_datum(curve: QuinticTable, kind: Kind) -> tuple[QuinticTable, float, list[str]]:
     """Return the curve with z = 0 at the tape circle of a wheel, on the crown of a rail.
 
     With it comes by how much it was moved down [m], and what to say of that.

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from vehicledyn.rail.profiles.profile_names import Kind
-from vehicledyn.rail.profiles.profile_pieces import Floats, Piece, Table
+from vehicledyn.rail.profiles.profile_pieces import Floats, ProfilePiece, QuinticTable
 
 STEEPEST = 12.0
 """Slope up to which a profile is followed as a function of y, 85 degrees [1]."""
@@ -50,7 +50,7 @@ class Profile:
 
     name: str
     kind: Kind
-    pieces: tuple[Piece, ...]
+    pieces: tuple[ProfilePiece, ...]
     source: str = ""
     notes: tuple[str, ...] = field(default=())
     measured: Measured | None = field(default=None, compare=False)
@@ -92,7 +92,7 @@ class Profile:
                 found[:, here] = piece.values(place[here])
         return found[0], found[1], found[2]
 
-    def sampled(self, step: float) -> Table:
+    def sampled(self, step: float) -> QuinticTable:
         """Return the profile as a table, exact where pieces meet; parts too steep are cut off.
 
         Parameters
@@ -103,7 +103,7 @@ class Profile:
         return tabulated(self.pieces, step)
 
 
-def tabulated(pieces: Sequence[Piece], step: float, turn: float = 0.0) -> Table:
+def tabulated(pieces: Sequence[ProfilePiece], step: float, turn: float = 0.0) -> QuinticTable:
     """Return pieces as one table, turned about the origin; parts too steep are cut off.
 
     Parameters
@@ -120,18 +120,18 @@ def tabulated(pieces: Sequence[Piece], step: float, turn: float = 0.0) -> Table:
         y = np.linspace(
             piece.begin, piece.end, max(2, int(np.ceil((piece.end - piece.begin) / step)) + 1)
         )
-        if isinstance(piece, Table):
+        if isinstance(piece, QuinticTable):
             y = np.unique(np.concatenate([y, piece.places]))
             below = _turned(y, *piece.values(y, from_below=True), turn)
         knots = _turned(y, *piece.values(y), turn)
         places.append(knots[0])
         left.append(knots[1:, :-1])
-        right.append((below if isinstance(piece, Table) else knots)[1:, 1:])
+        right.append((below if isinstance(piece, QuinticTable) else knots)[1:, 1:])
     edges = np.concatenate([*(part[:-1] for part in places), places[-1][-1:]])
     begin, end = np.concatenate(left, axis=1), np.concatenate(right, axis=1)
     usable = (np.abs(begin[1]) < STEEPEST) & (np.abs(end[1]) < STEEPEST) & (np.diff(edges) > 0.0)
     first, last = _longest(usable)
-    return Table(edges[first : last + 1], begin[:, first:last], end[:, first:last])
+    return QuinticTable(edges[first : last + 1], begin[:, first:last], end[:, first:last])
 
 
 def _turned(y: Floats, z: Floats, slope: Floats, bend: Floats, angle: float) -> Floats:

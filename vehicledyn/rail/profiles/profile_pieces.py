@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 
-class Piece(Protocol):
+class ProfilePiece(Protocol):
     """One part of a profile, z(y) on ``begin`` <= y <= ``end`` [m]."""
 
     @property
@@ -72,7 +72,7 @@ class Arc:
 
 
 @dataclass(frozen=True)
-class Table:
+class QuinticTable:
     """Quintic polynomials that take height, slope and second derivative at both ends.
 
     ``places`` are increasing, shape (n,) [m]; ``left`` and ``right`` hold the three quantities at
@@ -148,7 +148,7 @@ class Table:
         )
 
 
-def table(places: Floats, height: Floats, slope: Floats, bend: Floats) -> Table:
+def table(places: Floats, height: Floats, slope: Floats, bend: Floats) -> QuinticTable:
     """Return a table whose derivatives do not jump.
 
     Parameters
@@ -159,4 +159,4 @@ def table(places: Floats, height: Floats, slope: Floats, bend: Floats) -> Table:
         z [m], dz/dy [1] and d²z/dy² [1/m] there, shape (n,).
     """
     knots = np.array([height, slope, bend])
-    return Table(np.asarray(places, dtype=float), knots[:, :-1], knots[:, 1:])
+    return QuinticTable(np.asarray(places, dtype=float), knots[:, :-1], knots[:, 1:])

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.rail.profiles.profile import STEEPEST
-from vehicledyn.rail.profiles.profile_pieces import Floats, Table, table
+from vehicledyn.rail.profiles.profile_pieces import Floats, QuinticTable, table
 
 _FINEST = 2e-5
 _FEWEST = 4
@@ -42,7 +42,7 @@ _SMALLEST = 1e-12
 class Smoothed(NamedTuple):
     """A smooth profile and how far the points lie from it along the normal, shape (n,) [m]."""
 
-    table: Table
+    table: QuinticTable
     distance: Floats
 
     @property

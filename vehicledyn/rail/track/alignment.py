@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.rail.track.pieces import Grade, Piece
+from vehicledyn.rail.track.pieces import Grade, TrackPiece
 from vehicledyn.rail.track.transition_shapes import SHAPES, cubic_parabola
 
 Array = NDArray[np.float64]
@@ -43,7 +43,7 @@ class Alignment:
         Whether the cant turns the track about its centre line or raises it about the low rail.
     """
 
-    pieces: Sequence[Piece]
+    pieces: Sequence[TrackPiece]
     cant_base: float
     grades: Sequence[Grade] = ()
     cant_about: CantAbout = "centre_line"
@@ -131,12 +131,14 @@ class Alignment:
     # -- pieces by arrays --------------------------------------------------------------------
 
     @cached_property
-    def _all(self) -> list[Piece]:
+    def _all(self) -> list[TrackPiece]:
         """The pieces between two that never end."""
         first, last = self.pieces[0], self.pieces[-1]
         ends = (first, 0), (last, 1)
         before, after = (
-            Piece(_ENDLESS, cant=(p.cant[k],) * 2, left=(p.left[k],) * 2, right=(p.right[k],) * 2)
+            TrackPiece(
+                _ENDLESS, cant=(p.cant[k],) * 2, left=(p.left[k],) * 2, right=(p.right[k],) * 2
+            )
             for p, k in ends
         )
         return [before, *self.pieces, after]

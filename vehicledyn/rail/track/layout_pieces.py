@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from vehicledyn.rail.track.pieces import Grade, Piece
+from vehicledyn.rail.track.pieces import Grade, TrackPiece
 from vehicledyn.rail.track.segments import SegmentSet
 
 
@@ -42,7 +42,7 @@ class Fault(NamedTuple):
     words: str
 
 
-def pieces_of(segments: Sequence[SegmentSet], gauge: float) -> tuple[list[Piece], list[Fault]]:
+def pieces_of(segments: Sequence[SegmentSet], gauge: float) -> tuple[list[TrackPiece], list[Fault]]:
     """Return the pieces of a layout and the faults of its segments.
 
     A transition leads from the segment before it to the one after. At either end of the track,
@@ -58,7 +58,7 @@ def pieces_of(segments: Sequence[SegmentSet], gauge: float) -> tuple[list[Piece]
         if segment.kind == "ramp":
             bends = (min(bends, key=abs),) * 2
         shape = segment.shape or "linear"
-        pieces.append(Piece(segment.length, bends, cant, left, right, shape))
+        pieces.append(TrackPiece(segment.length, bends, cant, left, right, shape))
         faults += _transition_faults(k, segment, bends)
     return pieces, [*faults, *_jumps(segments, pieces)]
 
@@ -136,7 +136,7 @@ def _transition_faults(k: int, segment: SegmentSet, bends: tuple[float, float]) 
     return []
 
 
-def _jumps(segments: Sequence[SegmentSet], pieces: Sequence[Piece]) -> list[Fault]:
+def _jumps(segments: Sequence[SegmentSet], pieces: Sequence[TrackPiece]) -> list[Fault]:
     """Return where cant or gauge change at once."""
     faults = []
     for k in range(1, len(pieces)):

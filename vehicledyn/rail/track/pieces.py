@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class Piece:
+class TrackPiece:
     """A piece of track: pairs hold values at its beginning and at its end.
 
     ``shape`` is a name of :data:`~vehicledyn.rail.track.transition_shapes.SHAPES` or

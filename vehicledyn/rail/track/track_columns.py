@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.base.files.column_files import Column, Columns, read_columns
+from vehicledyn.base.files.column_files import ColumnKind, Columns, read_columns
 from vehicledyn.base.problems import Problem, refusal
 
 Array = NDArray[np.float64]
@@ -20,7 +20,7 @@ WIDEST_GAP = 5.0
 
 
 def read_along(
-    path: Path, known: dict[str, Column], largest: dict[str, tuple[float, str]]
+    path: Path, known: dict[str, ColumnKind], largest: dict[str, tuple[float, str]]
 ) -> tuple[Columns, dict[str, Array]]:
     """Return a table whose column s [m] grows, and its numbers as arrays.
 

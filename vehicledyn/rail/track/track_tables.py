@@ -172,9 +172,9 @@ def centre_line(alignment: Alignment) -> tuple[CurvedLine, TabledShift | None]:
             f"a track of {alignment.length:g} m is too long, {LONGEST:g} m at most; is the unit of "
             "its lengths right?"
         )
-    grid = Grid(alignment, max(_first_width(alignment), alignment.length / MOST_CELLS))
+    grid = KnotGrid(alignment, max(_first_width(alignment), alignment.length / MOST_CELLS))
     while grid.error > WANTED_ERROR and 2 * grid.count <= MOST_CELLS:
-        grid = Grid(alignment, 0.5 * grid.width)
+        grid = KnotGrid(alignment, 0.5 * grid.width)
     return grid.line(), grid.widening()
 
 
@@ -194,7 +194,7 @@ def _tightest(alignment: Alignment) -> float:
     return float(np.abs(alignment.curvature(probes)).max())
 
 
-class Grid:
+class KnotGrid:
     """Knots along a design, one cell beyond either end, and exact values there.
 
     Parameters

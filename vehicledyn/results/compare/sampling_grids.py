@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.results.store.column import Column
+from vehicledyn.results.store.column import StoredColumn
 from vehicledyn.results.store.decimation import PORTION
 
 Floats = NDArray[np.float64]
@@ -16,7 +16,7 @@ Floats = NDArray[np.float64]
 SAME_INSTANT = 1e-9  # share of the smallest sampling step by which equal times may differ
 
 
-def range_difference(result: Column, reference: Column) -> str:
+def range_difference(result: StoredColumn, reference: StoredColumn) -> str:
     """Return how a result falls short of the reference's time range, empty if it does not.
 
     Both arguments are rising times [s] with at least one sample.
@@ -30,7 +30,7 @@ def range_difference(result: Column, reference: Column) -> str:
     return ""
 
 
-def grid_difference(result: Column, reference: Column) -> str:
+def grid_difference(result: StoredColumn, reference: StoredColumn) -> str:
     """Return how the sample times differ, empty if they are equal but for rounding."""
     advice = "ask for interpolation to compare them all the same"
     if len(result) != len(reference):
@@ -52,12 +52,12 @@ def grid_difference(result: Column, reference: Column) -> str:
 class Resampling:
     """Values of columns at other times, linear between samples and read block by block."""
 
-    def __init__(self, times: Column) -> None:
+    def __init__(self, times: StoredColumn) -> None:
         self._times = times
         starts = range(0, len(times), PORTION)
         self._starts = np.array([float(times[k : k + 1][0]) for k in starts])
 
-    def values(self, column: Column, wanted: Floats) -> Floats:
+    def values(self, column: StoredColumn, wanted: Floats) -> Floats:
         """Return a column at rising times [s], shape (n,)."""
         first = max(int(np.searchsorted(self._starts, wanted[0])) - 1, 0)
         last = int(np.searchsorted(self._starts, wanted[-1], side="right")) + 1
@@ -65,17 +65,17 @@ class Resampling:
         return np.asarray(np.interp(wanted, self._times[part], column[part]))
 
 
-def _ends(times: Column) -> tuple[float, float]:
+def _ends(times: StoredColumn) -> tuple[float, float]:
     count = len(times)
     return float(times[0:1][0]), float(times[count - 1 : count][0])
 
 
-def _slack(reference: Column) -> float:
+def _slack(reference: StoredColumn) -> float:
     smallest = min(_smallest_steps(reference), default=math.inf)
     return SAME_INSTANT * smallest if math.isfinite(smallest) else 0.0
 
 
-def _smallest_steps(times: Column) -> Iterator[float]:
+def _smallest_steps(times: StoredColumn) -> Iterator[float]:
     for start in range(0, len(times), PORTION):
         steps = np.diff(times[start : start + PORTION + 1])
         yield float(np.min(steps[steps > 0.0], initial=np.inf))

@@ -35,7 +35,7 @@ LABEL_WIDTH = 34
 """Letters of an axis label in one line."""
 
 
-class Axis(NamedTuple):
+class HorizontalAxis(NamedTuple):
     """Values along the horizontal axis, in SI."""
 
     values: NDArray[Any]
@@ -50,7 +50,7 @@ class Line(NamedTuple):
     values: NDArray[Any]
     unit: str
     words: str
-    across: Axis
+    across: HorizontalAxis
     source: str
 
 
@@ -134,13 +134,13 @@ def _lines(
         yield Line(array.name, column, array.unit, array.description, across, source)
 
 
-def _axis(array: Labelled, dim: str, length: int, against: Labelled | None) -> Axis:
+def _axis(array: Labelled, dim: str, length: int, against: Labelled | None) -> HorizontalAxis:
     label = array.coords.get(dim) if against is None else against
     if label is None or label.values.dtype.kind not in "fiu":
-        return Axis(np.arange(length), "1", dim.capitalize())
+        return HorizontalAxis(np.arange(length), "1", dim.capitalize())
     if label.values.shape != (length,):
         raise InputError(f"{array.name}: cannot be drawn against {label.name}, sampled otherwise")
-    return Axis(label.values, label.unit, label.description or label.name)
+    return HorizontalAxis(label.values, label.unit, label.description or label.name)
 
 
 def _drawn(lines: Sequence[Line], title: str) -> Figure:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from vehicledyn.results.report.page import Section, Table
+from vehicledyn.results.report.page import Section, TextTable
 from vehicledyn.results.report.texts import reading
 
 if TYPE_CHECKING:
@@ -51,10 +51,10 @@ class Content:
     warnings: Callable[[], Sequence[str]] = field(default=tuple)
 
 
-def key_table(figures: Sequence[KeyFigure]) -> list[Table]:
+def key_table(figures: Sequence[KeyFigure]) -> list[TextTable]:
     """Return key figures as a table, none if there are none."""
     rows = list(_rows(figures))
-    return [Table(("Quantity", "Value"), rows, numbers=(1,))] if rows else []
+    return [TextTable(("Quantity", "Value"), rows, numbers=(1,))] if rows else []
 
 
 def _rows(figures: Sequence[KeyFigure]) -> Iterator[tuple[str, str]]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from vehicledyn.results.compare.comparison import ChannelComparison
 from vehicledyn.results.compare.run_compare import compare_files
 from vehicledyn.results.report.content import Content
-from vehicledyn.results.report.page import Notes, Section, Table
+from vehicledyn.results.report.page import Notes, Section, TextTable
 from vehicledyn.results.report.texts import reading
 from vehicledyn.results.store.reader import ENDS, open_result
 
@@ -43,11 +43,11 @@ def differences(first: Content, second: Content, names: tuple[str, str]) -> list
         )
         for c in leading
     ]
-    blocks: list[Notes | Table] = [Notes(told)] if told else []
+    blocks: list[Notes | TextTable] = [Notes(told)] if told else []
     if rows:
         head = ("Channel", *names, "Of the range", "At")
         caption = "The channels that differ most, in parts of their range, where they do most."
-        blocks.append(Table(head, rows, (1, 2, 3, 4), caption))
+        blocks.append(TextTable(head, rows, (1, 2, 3, 4), caption))
     elif not found.problems and not found.differences:
         blocks.append(Notes([f"All {len(found.channels)} channels are equal."]))
     return [Section("Channels", blocks)]

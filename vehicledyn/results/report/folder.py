@@ -11,12 +11,12 @@ from vehicledyn.results.report.images import picture
 from vehicledyn.results.report.page import (
     Block,
     Facts,
-    Link,
+    FileLink,
     Notes,
     Page,
     Pictures,
     Section,
-    Table,
+    TextTable,
 )
 from vehicledyn.results.report.read_content import read_content
 
@@ -52,10 +52,10 @@ def folder_page(folder: Path, target: Path, progress: Progress) -> Page:
         state = content.state or "complete"
         index.append((name, content.what, content.title, state))
         sections.append(Section(name, blocks))
-    blocks = [Table(("File", "Kind", "Title", "State"), index)] if index else []
+    blocks = [TextTable(("File", "Kind", "Title", "State"), index)] if index else []
     top = [Section("Results", blocks)] if blocks else []
     if unusable:
-        top.insert(0, Section("Unusable files", [Table(("File", "Why"), unusable)]))
+        top.insert(0, Section("Unusable files", [TextTable(("File", "Why"), unusable)]))
     if len(paths) > MOST_FILES:
         text = f"Only the first {MOST_FILES} of {len(paths)} files are shown."
         top.insert(0, Section("Warnings", [Notes([text], warning=True)]))
@@ -83,7 +83,7 @@ def _blocks(content: Content, target: Path, *, drawn: bool) -> Iterator[Block]:
     for what, text in (("report", "Open its report"), ("animation", "Watch it move")):
         page = beside(content.path, what)
         if page.is_file() and page.resolve() != target.resolve():
-            yield Link(address(page, target), text)
+            yield FileLink(address(page, target), text)
     if content.state:
         yield Notes([content.state], warning=True)
     yield Facts([("Title", content.title), *content.facts])

@@ -9,7 +9,7 @@ from pathlib import Path
 from vehicledyn.results.hdf5.page_file import check_page, write_page
 from vehicledyn.results.plots.handling.test_figures import handling_figures
 from vehicledyn.results.report.images import picture
-from vehicledyn.results.report.page import Notes, Page, Pictures, Section, Table, render
+from vehicledyn.results.report.page import Notes, Page, Pictures, Section, TextTable, render
 from vehicledyn.results.report.texts import change, reading
 from vehicledyn.results.tables.handling_headings import heading
 from vehicledyn.results.tables.handling_table import TRUTH, HandlingTable, KeyFigure
@@ -51,7 +51,7 @@ def _tests(tables: Sequence[HandlingTable]) -> list[str]:
     return list(dict.fromkeys(figure.test for table in tables for figure in table.figures))
 
 
-def _table(tables: Sequence[HandlingTable], test: str) -> Table:
+def _table(tables: Sequence[HandlingTable], test: str) -> TextTable:
     known = [{f.key: f for f in table.figures if f.test == test} for table in tables]
     rows = []
     for key in dict.fromkeys(key for figures in known for key in figures):
@@ -61,7 +61,7 @@ def _table(tables: Sequence[HandlingTable], test: str) -> Table:
         rows.append((meaning, *cells, *([_change(*found)] if len(found) == 2 else [])))
     head = ["Quantity", *(table.model for table in tables)]
     head += ["Difference"] if len(tables) == 2 else []
-    return Table(head, rows, numbers=tuple(range(1, len(head))))
+    return TextTable(head, rows, numbers=tuple(range(1, len(head))))
 
 
 def _text(figure: KeyFigure | None) -> str:

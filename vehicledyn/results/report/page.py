@@ -28,7 +28,7 @@ class Facts:
 
 
 @dataclass(frozen=True)
-class Table:
+class TextTable:
     """Rows of texts under a head; ``numbers`` are the columns set to the right."""
 
     kind: ClassVar[str] = "table"
@@ -79,7 +79,7 @@ class Listing:
 
 
 @dataclass(frozen=True)
-class Link:
+class FileLink:
     """A link to a file beside the page; ``address`` is relative and quoted."""
 
     kind: ClassVar[str] = "link"
@@ -87,7 +87,7 @@ class Link:
     text: str
 
 
-Block = Facts | Table | Pictures | Notes | Listing | Link
+Block = Facts | TextTable | Pictures | Notes | Listing | FileLink
 
 
 @dataclass(frozen=True)
@@ -111,7 +111,7 @@ class Page:
     subtitle: str
     sections: Sequence[Section]
     state: str = ""
-    links: Sequence[Link] = field(default_factory=tuple)
+    links: Sequence[FileLink] = field(default_factory=tuple)
 
 
 def render(page: Page) -> str:

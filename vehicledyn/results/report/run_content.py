@@ -16,7 +16,7 @@ from vehicledyn.results.info import ChannelRange, channel_ranges
 from vehicledyn.results.plots.figures import draw_figure
 from vehicledyn.results.plots.run_plots import plots_of
 from vehicledyn.results.report.content import Content, Figures, KeyFigure, key_table, words
-from vehicledyn.results.report.page import Block, Facts, Listing, Notes, Section, Table
+from vehicledyn.results.report.page import Block, Facts, Listing, Notes, Section, TextTable
 from vehicledyn.results.report.texts import moment, number, reading, unit_text
 from vehicledyn.results.store.reader import Result, open_result
 
@@ -130,7 +130,7 @@ def _details(
             *_assessment(result),
             Section("Events", list(_events(result))),
             Section("Accuracy", _accuracy(result, accuracy)),
-            Section("Solver", [Table(("Statistic", "Value"), _solver(result.solver), (1,))]),
+            Section("Solver", [TextTable(("Statistic", "Value"), _solver(result.solver), (1,))]),
             Section("Parts used and their sources", list(_parts(result))),
             Section("Channels", [_channels(ranges)]),
             Section("Input", list(_input(result))),
@@ -139,7 +139,7 @@ def _details(
 
 
 def _holds(block: Block) -> bool:
-    return not isinstance(block, Table) or bool(block.rows)
+    return not isinstance(block, TextTable) or bool(block.rows)
 
 
 def _assessment(result: Result) -> Iterator[Section]:
@@ -162,7 +162,7 @@ def _events(result: Result) -> Iterator[Block]:
     events = result.events
     if events:
         rows = [(event.name, reading(event.time, "s")) for event in events[:MOST_EVENTS]]
-        yield Table(("Event", "Instant"), rows, numbers=(1,))
+        yield TextTable(("Event", "Instant"), rows, numbers=(1,))
     if len(events) > MOST_EVENTS:
         yield Notes([f"{len(events) - MOST_EVENTS} more events are in the file."])
 
@@ -201,7 +201,7 @@ def _operations(text: str) -> str:
 
 def _parts(result: Result) -> Iterator[Block]:
     rows = [(s.get("part", ""), s.get("does", ""), s.get("source", "")) for s in result.sources]
-    yield Table(("Part", "What it does", "Source"), rows)
+    yield TextTable(("Part", "What it does", "Source"), rows)
     known = result.configuration
     units = known.get("units")
     flat = list(flattened(known, units if isinstance(units, dict) else {}))
@@ -209,7 +209,7 @@ def _parts(result: Result) -> Iterator[Block]:
     shorter = [(name.removeprefix("parameters."), value) for name, value in parameters]
     settings = [row for row in flat if row not in parameters]
     for title, kept in (("Parameters of the model", shorter), ("Settings", settings)):
-        yield Table(("Name", "Value"), kept, (1,), f"{title} ({len(kept)})", closed=True)
+        yield TextTable(("Name", "Value"), kept, (1,), f"{title} ({len(kept)})", closed=True)
     yield Facts([(words(name), str(version)) for name, version in result.versions.items()])
 
 
@@ -232,7 +232,7 @@ def _told(value: Any) -> str:
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
-def _channels(ranges: Sequence[ChannelRange]) -> Table:
+def _channels(ranges: Sequence[ChannelRange]) -> TextTable:
     rows = [
         (
             channel.name,
@@ -244,7 +244,7 @@ def _channels(ranges: Sequence[ChannelRange]) -> Table:
         for channel in ranges
     ]
     head = ("Channel", "Smallest", "Largest", "Unit", "Meaning")
-    return Table(head, rows, (1, 2), f"Channels ({len(rows)})", closed=True)
+    return TextTable(head, rows, (1, 2), f"Channels ({len(rows)})", closed=True)
 
 
 def _input(result: Result) -> Iterator[Block]:

@@ -14,13 +14,13 @@ from vehicledyn.results.report.differences import differences
 from vehicledyn.results.report.images import picture
 from vehicledyn.results.report.page import (
     Facts,
-    Link,
+    FileLink,
     Notes,
     Page,
     Picture,
     Pictures,
     Section,
-    Table,
+    TextTable,
 )
 from vehicledyn.results.report.read_content import read_content
 from vehicledyn.results.report.run_content import MOST_FIGURES, MOST_SAMPLES
@@ -99,14 +99,14 @@ def _figures_of_two(paths: Mapping[str, Path], progress: Progress) -> Section:
     return Section("Figures", [*blocks, *([Pictures(pairs, paired=True)] if pairs else [])])
 
 
-def _links(path: Path, target: Path, text: str) -> list[Link]:
+def _links(path: Path, target: Path, text: str) -> list[FileLink]:
     """Return links to the moving picture of a result, if there is one."""
     from vehicledyn.results.report.page_places import address, beside
 
     animation = beside(path, "animation")
     if not animation.is_file():
         return []
-    return [Link(address(animation, target), f"{text}: watch it move")]
+    return [FileLink(address(animation, target), f"{text}: watch it move")]
 
 
 def _warnings(texts: Sequence[str]) -> Iterator[Section]:
@@ -120,21 +120,21 @@ def _names(path: Path, other: Path) -> tuple[str, str]:
     return f"{path.parent.name}/{path.stem}", f"{other.parent.name}/{other.stem}"
 
 
-def _facts_of_two(first: Content, second: Content, names: tuple[str, str]) -> Table:
+def _facts_of_two(first: Content, second: Content, names: tuple[str, str]) -> TextTable:
     left = {"Title": first.title, **dict(first.facts)}
     right = {"Title": second.title, **dict(second.facts)}
     rows = [(key, left.get(key, "–"), right.get(key, "–")) for key in left | right]
-    return Table(("", *names), rows)
+    return TextTable(("", *names), rows)
 
 
-def _key_figures_of_two(first: Content, second: Content, names: tuple[str, str]) -> Table:
+def _key_figures_of_two(first: Content, second: Content, names: tuple[str, str]) -> TextTable:
     left, right = ({f.name: f for f in content.key_figures} for content in (first, second))
     rows = []
     for name in left | right:
         a, b = left.get(name), right.get(name)
         meaning = next((f.meaning for f in (a, b) if f is not None), "")
         rows.append((meaning or name, _text(a), _text(b), _change(a, b)))
-    return Table(("Quantity", *names, "Difference"), rows, numbers=(1, 2, 3))
+    return TextTable(("Quantity", *names, "Difference"), rows, numbers=(1, 2, 3))
 
 
 def _text(figure: KeyFigure | None) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 
 from vehicledyn.results.plots.studies.study_plots import rank_correlation, study_figures
 from vehicledyn.results.report.content import Content, Figures, KeyFigure, words
-from vehicledyn.results.report.page import Block, Listing, Section, Table
+from vehicledyn.results.report.page import Block, Listing, Section, TextTable
 from vehicledyn.results.report.texts import moment, reading
 from vehicledyn.results.store.study_reader import StudyFile, open_study
 from vehicledyn.results.study_info import Spread, StudyDescription, describe_study
@@ -73,21 +73,21 @@ def _details(path: Path, known: StudyDescription) -> list[Section]:
     failures = [(f"{case}", reading(time, "s"), reason) for case, time, reason in known.failures]
     tables = {
         "Key figures of all cases": [
-            Table(head, [_row(s) for s in known.figures], (1, 2, 3, 4)),
-            Table(("Key figure", "Texts"), counted),
+            TextTable(head, [_row(s) for s in known.figures], (1, 2, 3, 4)),
+            TextTable(("Key figure", "Texts"), counted),
         ],
         "Sensitivities": [
-            Table(
+            TextTable(
                 ("Key figure", "Rank correlation with"),
                 effects,
                 caption=f"The {LEADING} leading effects of what was varied, from -1 to 1.",
             )
         ],
         "What was varied": [
-            Table(head, varied, (1, 2, 3, 4)),
-            Table(("Choice", "Values"), choices),
+            TextTable(head, varied, (1, 2, 3, 4)),
+            TextTable(("Choice", "Values"), choices),
         ],
-        "Failed cases": [Table(("Case", "Time", "Reason"), failures)],
+        "Failed cases": [TextTable(("Case", "Time", "Reason"), failures)],
     }
     kept = {title: [t for t in found if t.rows] for title, found in tables.items()}
     sections = [Section(title, found) for title, found in kept.items() if found]

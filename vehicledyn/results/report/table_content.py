@@ -9,7 +9,7 @@ import numpy as np
 
 from vehicledyn.results.plots.table_results import describe_table, table_figures
 from vehicledyn.results.report.content import Content, KeyFigure, words
-from vehicledyn.results.report.page import Block, Facts, Notes, Section, Table
+from vehicledyn.results.report.page import Block, Facts, Notes, Section, TextTable
 from vehicledyn.results.report.texts import number, reading
 from vehicledyn.results.store.linear_file import format_of
 from vehicledyn.results.tables import (
@@ -95,7 +95,7 @@ def _equilibrium(table: equilibrium_table.EquilibriumTable) -> Parts:
         Section(
             title,
             [
-                Table(
+                TextTable(
                     (title, "Unit", "Nominal", "Equilibrium"),
                     [
                         (item.name, item.unit, number(float(first)), number(float(last)))
@@ -130,7 +130,9 @@ def _sensitivities(table: sensitivity_table.SensitivityTable) -> Parts:
             if table.slopes[row][k]
         ]
         heads = ("Parameter", "Value, SI", "Derivative", "Unit")
-        sections.append(Section(f"{figure.name} [{figure.unit}]", [Table(heads, lines, (1, 2))]))
+        sections.append(
+            Section(f"{figure.name} [{figure.unit}]", [TextTable(heads, lines, (1, 2))])
+        )
     return [], sections
 
 
@@ -160,7 +162,7 @@ def _modes(table: mode_table.ModeTable) -> Parts:
     return figures[:MOST_CASES], sections
 
 
-def _mode_table(table: mode_table.ModeTable, case: mode_table.ModeCase) -> Table:
+def _mode_table(table: mode_table.ModeTable, case: mode_table.ModeCase) -> TextTable:
     rows = []
     for k, value in enumerate(case.eigenvalue):
         oscillates = case.kind[k] == "oscillation"
@@ -170,7 +172,7 @@ def _mode_table(table: mode_table.ModeTable, case: mode_table.ModeCase) -> Table
         leading = ", ".join(name for name, *_ in table.ranked(case, k)[:LEADING])
         rows.append((told, case.kind[k], frequency, damping, leading))
     head = ("Eigenvalue [1/s]", "Kind", "Frequency [Hz]", "Damping ratio", "Leading coordinates")
-    return Table(head, rows, (2, 3))
+    return TextTable(head, rows, (2, 3))
 
 
 def _damping(ratio: float) -> str:
@@ -193,7 +195,7 @@ def _responses(table: response_table.ResponseTable) -> Parts:
             rows.append((name, unit, told, number(peak), number(place)))
             figures.append(KeyFigure(f"{name}, at", place, "Hz", f"Frequency of the peak, {name}"))
     head = ("Response", "Unit", "At rest", "Largest magnitude", "At [Hz]")
-    return figures, [Section("Gains", [Table(head, rows, (2, 3, 4))])]
+    return figures, [Section("Gains", [TextTable(head, rows, (2, 3, 4))])]
 
 
 def _critical(table: hunt_table.HuntTable, name: str, meaning: str) -> KeyFigure:
@@ -225,7 +227,7 @@ def _contacts(table: contact_table.ContactTable) -> Parts:
         )
     ]
     head = ("Amplitude [mm]", "EN 15302", "With roll", "Harmonic", "Regression")
-    blocks: list[Block] = [Table(head, conicity, (1, 2, 3, 4))]
+    blocks: list[Block] = [TextTable(head, conicity, (1, 2, 3, 4))]
     jumps = [
         (f"{1e3 * shift:.3f}", side, f"{1e3 * before:.2f}", f"{1e3 * after:.2f}")
         for shift, side, before, after in table.jumps
@@ -234,7 +236,7 @@ def _contacts(table: contact_table.ContactTable) -> Parts:
     settings = [(words(name), _setting(table, name)) for name in table.settings]
     sections = [Section("Settings", [Facts(settings)]), Section("Equivalent conicity", blocks)]
     if jumps:
-        sections.append(Section("Jumps of the contact", [Table(jump_head, jumps, (2, 3))]))
+        sections.append(Section("Jumps of the contact", [TextTable(jump_head, jumps, (2, 3))]))
     if table.notes:
         sections.append(Section("Notes", [Notes(table.notes)]))
     return figures, sections
@@ -279,7 +281,7 @@ def _cycles(table: hunt_table.HuntTable) -> Parts:
     numbers = (1, 2, *range(4, len(head)))
     caption = f"Limit cycles ({len(rows)})"
     sections = (
-        [Section("Cycles", [Table(head, rows, numbers, caption, closed=True)])] if rows else []
+        [Section("Cycles", [TextTable(head, rows, numbers, caption, closed=True)])] if rows else []
     )
     if table.message:
         sections.append(Section("Messages", [Notes([table.message])]))

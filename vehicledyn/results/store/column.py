@@ -14,7 +14,7 @@ from vehicledyn.results.store.decimation import portions
 
 
 @dataclass(frozen=True)
-class Column:
+class StoredColumn:
     """So many samples of a dataset, read whenever they are asked for."""
 
     dataset: h5py.Dataset

@@ -111,7 +111,7 @@ class EventRecord:
 
 
 @dataclass(frozen=True)
-class Axis:
+class SampleAxis:
     """What the samples are counted along: the time, if not said otherwise."""
 
     unit: str = "s"
@@ -140,7 +140,7 @@ class ResultHeader:
     scene: Mapping[str, SceneItem] = field(default_factory=dict)
     versions: Mapping[str, str] = field(default_factory=dict)
     sources: Sequence[Mapping[str, str]] = ()
-    axis: Axis = field(default_factory=Axis)
+    axis: SampleAxis = field(default_factory=SampleAxis)
     equations_hash: str = ""
     parameters: Mapping[str, tuple[float, str]] = field(default_factory=dict)
 

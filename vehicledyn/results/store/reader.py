@@ -25,7 +25,7 @@ from vehicledyn.results.store.animation_section import (
     read_rows,
 )
 from vehicledyn.results.store.checked_columns import CheckedColumns
-from vehicledyn.results.store.column import Column
+from vehicledyn.results.store.column import StoredColumn
 from vehicledyn.results.store.consistency import require_groups, require_stored
 from vehicledyn.results.store.decimation import ColumnRange, column_range, portions, thinned
 from vehicledyn.results.store.history import (
@@ -179,12 +179,12 @@ class Result(contextlib.AbstractContextManager["Result"]):
             values = self._thinning.values(dataset) if rows is None else read_rows(dataset, rows)
         return Series(name, values, *self.facts(name))
 
-    def column(self, name: str) -> Column:
+    def column(self, name: str) -> StoredColumn:
         """Return a channel, or "time", with all samples of the file, read in slices."""
         if name != "time":
             self.require(name)
         with self._reading():
-            return Column(self._columns[name], self.samples, self._reading)
+            return StoredColumn(self._columns[name], self.samples, self._reading)
 
     def facts(self, name: str) -> tuple[str, str, str]:
         """Return unit, meaning and frame of a channel."""

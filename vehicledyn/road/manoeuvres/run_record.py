@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.files.column_files import Column, read_columns
+from vehicledyn.base.files.column_files import ColumnKind, read_columns
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar
 from vehicledyn.symbolic.tables import CurveTable
@@ -22,16 +22,16 @@ Floats = NDArray[np.float64]
 
 _ANGLES = ("steering_wheel_angle", "road_wheel_angle")
 _COLUMNS = {
-    "time": Column("s", required=True),
-    "steering_wheel_angle": Column("rad"),
-    "road_wheel_angle": Column("rad"),
-    "speed": Column("m/s"),
-    "brake_torque": Column("N*m"),
-    "yaw_rate": Column("rad/s"),
-    "lateral_acceleration": Column("m/s^2"),
-    "longitudinal_acceleration": Column("m/s^2"),
-    "sideslip_angle": Column("rad"),
-    "roll_angle": Column("rad"),
+    "time": ColumnKind("s", required=True),
+    "steering_wheel_angle": ColumnKind("rad"),
+    "road_wheel_angle": ColumnKind("rad"),
+    "speed": ColumnKind("m/s"),
+    "brake_torque": ColumnKind("N*m"),
+    "yaw_rate": ColumnKind("rad/s"),
+    "lateral_acceleration": ColumnKind("m/s^2"),
+    "longitudinal_acceleration": ColumnKind("m/s^2"),
+    "sideslip_angle": ColumnKind("rad"),
+    "roll_angle": ColumnKind("rad"),
 }
 
 MOST_SAMPLES = 100_000

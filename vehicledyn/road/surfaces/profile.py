@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.files.column_files import Column, Columns, read_columns
+from vehicledyn.base.files.column_files import ColumnKind, Columns, read_columns
 from vehicledyn.base.parameters import quantity
 from vehicledyn.base.problems import Problem, refusal
 from vehicledyn.base.registry import register
@@ -25,7 +25,7 @@ MOST_CELLS = 2_000_000
 _FEWEST = 2
 _HIGHEST = 10.0
 _FARTHEST = 1e6
-_COLUMNS = {"x": Column("m", required=True), "z": Column("m", required=True)}
+_COLUMNS = {"x": ColumnKind("m", required=True), "z": ColumnKind("m", required=True)}
 
 
 @register("road", "profile")

@@ -30,7 +30,7 @@ _TABLES = ("SHAPE", "DEFLECTION_LOAD_CURVE", "BOTTOMING_CURVE", "COMMENTS")
 
 
 @dataclass(frozen=True)
-class Entry:
+class Assignment:
     """One ``name = value`` line; ``text`` is the value without quotes and comment."""
 
     section: str
@@ -56,7 +56,7 @@ def read_text(path: Path) -> str:
     return text
 
 
-def read_lines(path: Path) -> tuple[list[Entry], list[Problem]]:
+def read_lines(path: Path) -> tuple[list[Assignment], list[Problem]]:
     """Return the entries of a tyre property file, and the problems of its lines.
 
     Raises
@@ -65,17 +65,17 @@ def read_lines(path: Path) -> tuple[list[Entry], list[Problem]]:
         If the file cannot be read, is too large or no text.
     """
     text = read_text(path)
-    entries: list[Entry] = []
+    entries: list[Assignment] = []
     problems: list[Problem] = []
     for item in _entries(text, str(path)):
-        (entries if isinstance(item, Entry) else problems).append(item)  # type: ignore[arg-type]
+        (entries if isinstance(item, Assignment) else problems).append(item)  # type: ignore[arg-type]
     if not entries and not problems:
         words = "no 'NAME = value' lines; is this a tyre property file (.tir)?"
         problems.append(Problem(str(path), Mark(1, 1), "", words))
     return entries, problems
 
 
-def _entries(text: str, source: str) -> Iterator[Entry | Problem]:
+def _entries(text: str, source: str) -> Iterator[Assignment | Problem]:
     section = ""
     for number, raw in enumerate(text.splitlines(), start=1):
         line = raw.strip()
@@ -88,7 +88,7 @@ def _entries(text: str, source: str) -> Iterator[Entry | Problem]:
             continue
         elif "=" in line:
             name, _, rest = line.partition("=")
-            yield Entry(section, name.strip().upper(), _value(rest), number)
+            yield Assignment(section, name.strip().upper(), _value(rest), number)
         else:
             words = f"expected 'NAME = value', found {line[:40]!r}"
             yield Problem(source, Mark(number, 1), f"[{section}]" if section else "", words)

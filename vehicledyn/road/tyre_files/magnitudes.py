@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from vehicledyn.base.problems import Mark, Problem
 from vehicledyn.base.units import shown
-from vehicledyn.road.tyre_files.lines import Entry
+from vehicledyn.road.tyre_files.lines import Assignment
 
 
 class _Size(NamedTuple):
@@ -36,7 +36,7 @@ _SMALLEST_CONTACT, _LARGEST_CONTACT = 100.0, 5e6
 
 
 def implausible(
-    found: Mapping[str, float], entries: Mapping[str, Entry], source: str
+    found: Mapping[str, float], entries: Mapping[str, Assignment], source: str
 ) -> list[Problem]:
     """Return what no tyre can have after conversion to SI units, each with its line.
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from vehicledyn.base.errors import InputError, unknown_name
 from vehicledyn.base.problems import Mark, Problem, refusal
-from vehicledyn.road.tyre_files.lines import Entry, read_lines
+from vehicledyn.road.tyre_files.lines import Assignment, read_lines
 from vehicledyn.road.tyre_files.magnitudes import implausible
 from vehicledyn.road.tyre_files.names import ALIASES, Coefficient, coefficients
 from vehicledyn.road.tyre_files.units import factor, read_units
@@ -147,7 +147,7 @@ def _read(path: Path, changed: int, size: int) -> TyreFile:
     return TyreFile(path, version, side.lower(), values, given, unknown, texts, turned)
 
 
-def _version(entries: list[Entry], source: str, problems: list[Problem]) -> str:
+def _version(entries: list[Assignment], source: str, problems: list[Problem]) -> str:
     """Return the version of the Magic Formula that the section [MODEL] names."""
     texts = {e.name: e.text for e in entries if e.section in ("MDI_HEADER", "MODEL")}
     kind = texts.get("FILE_TYPE", "tir").lower()
@@ -172,10 +172,10 @@ _HEADS = ("UNITS", "MDI_HEADER")
 
 
 def _numbers(
-    entries: list[Entry], factors: dict[str, float], source: str, problems: list[Problem]
+    entries: list[Assignment], factors: dict[str, float], source: str, problems: list[Problem]
 ) -> tuple[dict[str, float], tuple[str, ...]]:
     """Return the numbers of the file in SI units, and the names that are unknown."""
-    known, found, lines = coefficients(), {}, dict[str, Entry]()
+    known, found, lines = coefficients(), {}, dict[str, Assignment]()
     unknown = []
     for entry in entries:
         name = ALIASES.get(entry.name, entry.name)
@@ -211,7 +211,7 @@ def _number(text: str) -> float | None:
 
 
 def _complete(
-    found: dict[str, float], entries: list[Entry], source: str, problems: list[Problem]
+    found: dict[str, float], entries: list[Assignment], source: str, problems: list[Problem]
 ) -> dict[str, float]:
     """Return the numbers with the defaults of those that the file leaves out."""
     values = {}
@@ -235,7 +235,7 @@ def _complete(
     return values
 
 
-def _missing(coefficient: Coefficient, entries: list[Entry]) -> str:
+def _missing(coefficient: Coefficient, entries: list[Assignment]) -> str:
     sections = {e.section: e.line for e in entries}
     where = f"[{coefficient.section}]"
     line = sections.get(coefficient.section)
@@ -244,7 +244,7 @@ def _missing(coefficient: Coefficient, entries: list[Entry]) -> str:
 
 
 def _check(
-    values: dict[str, float], entries: list[Entry], source: str, problems: list[Problem]
+    values: dict[str, float], entries: list[Assignment], source: str, problems: list[Problem]
 ) -> None:
     """Add what is wrong with single values and with the order of ranges."""
     for name in _POSITIVE:
@@ -265,7 +265,7 @@ def _check(
             problems.append(_at(entries, source, low, words))
 
 
-def _at(entries: list[Entry], source: str, name: str, words: str) -> Problem:
+def _at(entries: list[Assignment], source: str, name: str, words: str) -> Problem:
     """Return a problem of a name at its line, if the file has it."""
     for entry in entries:
         if ALIASES.get(entry.name, entry.name) == name:
@@ -273,5 +273,5 @@ def _at(entries: list[Entry], source: str, name: str, words: str) -> Problem:
     return Problem(source, None, name, words)
 
 
-def _problem(source: str, entry: Entry, words: str) -> Problem:
+def _problem(source: str, entry: Assignment, words: str) -> Problem:
     return Problem(source, Mark(entry.line, 1), entry.name, words)

@@ -7,7 +7,7 @@ import re
 
 from vehicledyn.base.errors import unknown_name
 from vehicledyn.base.problems import Mark, Problem
-from vehicledyn.road.tyre_files.lines import Entry
+from vehicledyn.road.tyre_files.lines import Assignment
 
 _POUND = 0.45359237
 _POUND_FORCE = _POUND * 9.80665
@@ -65,7 +65,7 @@ _NO_DIMENSION = "1"
 _POWER = re.compile(r"([*/]?)(\w+)(?:\^(\d))?")
 
 
-def read_units(entries: list[Entry], source: str) -> tuple[dict[str, float], list[Problem]]:
+def read_units(entries: list[Assignment], source: str) -> tuple[dict[str, float], list[Problem]]:
     """Return the factor to SI of each dimension.
 
     Where a file has no unit of pressure it is force over length squared: pascals of newton and

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError, nearest_name
-from vehicledyn.base.files.column_files import Column, read_columns
+from vehicledyn.base.files.column_files import ColumnKind, read_columns
 from vehicledyn.base.units import parse_unit
 
 Floats = NDArray[np.float64]
@@ -53,8 +53,8 @@ def read_signals(path: Path, time: str, signals: Sequence[Signal]) -> list[tuple
         return _of_result(path, signals)
     if path.suffix == ".mat":
         return _of_matlab(path, time, signals)
-    known = {time: Column("s", required=True)}
-    known |= {signal.column: Column(signal.unit, required=False) for signal in signals}
+    known = {time: ColumnKind("s", required=True)}
+    known |= {signal.column: ColumnKind(signal.unit, required=False) for signal in signals}
     table = read_columns(path, known, is_open=True)
     for signal in signals:
         if signal.given_unit is not None:

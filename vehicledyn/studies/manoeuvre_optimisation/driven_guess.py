@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyse.optimal_control.path_curves import PathCurves
-from vehicledyn.analyse.optimal_control.problem import BEND, RAMP, ControlProblem, Path
+from vehicledyn.analyse.optimal_control.problem import BEND, RAMP, ControlProblem, Corridor
 from vehicledyn.analyse.optimal_control.trajectory import DEGREE, Trajectory, radau_points
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.kernel.engine import Ledger
@@ -60,7 +60,7 @@ class Driver:
     """
 
     def __init__(
-        self, problem: ControlProblem, path: Path, kernel: Kernel, vehicle: Vehicle
+        self, problem: ControlProblem, path: Corridor, kernel: Kernel, vehicle: Vehicle
     ) -> None:
         self._problem, self._vehicle = problem, vehicle
         self._kernel = kernel.with_parameters(problem.parameters)

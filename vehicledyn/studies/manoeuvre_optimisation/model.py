@@ -14,7 +14,7 @@ from vehicledyn.analyse.optimal_control.problem import (
     RAMP,
     Control,
     ControlProblem,
-    Path,
+    Corridor,
 )
 from vehicledyn.analyses.linear.input_names import ModelInput
 from vehicledyn.analyses.linear.linear_inputs import Excited
@@ -268,7 +268,7 @@ def _refuse_offset_start(study: ManoeuvreStudy) -> None:
         raise InputError("start.path.offset: give the states that follow the path instead")
 
 
-def _path(study: ManoeuvreStudy, names: Names, prepared: Prepared) -> Path | None:
+def _path(study: ManoeuvreStudy, names: Names, prepared: Prepared) -> Corridor | None:
     table = study.track
     if table is None:
         return None
@@ -280,4 +280,4 @@ def _path(study: ManoeuvreStudy, names: Names, prepared: Prepared) -> Path | Non
         if name not in names.states:
             raise InputError(f"path.place: '{name}' is no state; known: {', '.join(names.states)}")
     x, y = (names.states[name] for name in place)
-    return Path(table.distance, table.x, table.y, table.right, table.left, (x, y))
+    return Corridor(table.distance, table.x, table.y, table.right, table.left, (x, y))

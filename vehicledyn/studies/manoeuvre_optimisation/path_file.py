@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.files.column_files import Column, read_columns
+from vehicledyn.base.files.column_files import ColumnKind, read_columns
 from vehicledyn.base.units import to_si
 from vehicledyn.studies.study_form import StudyForm
 
@@ -22,10 +22,10 @@ Line = tuple[Floats, Floats, Floats, Floats, Floats]
 _KINDS = ("straight", "arc", "file", "opencrg")
 _KEYS = (*_KINDS, "closed", "right", "left", "gates", "place")
 _COLUMNS = {
-    "x": Column("m", required=True),
-    "y": Column("m", required=True),
-    "right": Column("m"),
-    "left": Column("m"),
+    "x": ColumnKind("m", required=True),
+    "y": ColumnKind("m", required=True),
+    "right": ColumnKind("m"),
+    "left": ColumnKind("m"),
 }
 _ROWS = 240
 """Rows of the table of a path."""

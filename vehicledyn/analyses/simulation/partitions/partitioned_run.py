@@ -49,7 +49,7 @@ from vehicledyn.analyses.simulation.partitions.singularity_passing import Singul
 from vehicledyn.analyses.simulation.run_plan import Point, RunPlan
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.integrate.accuracy.monitored_run import DivergenceError
-from vehicledyn.integrate.course import Beginning, Course
+from vehicledyn.integrate.course import Beginning, RunHistory
 from vehicledyn.integrate.task import Statistics, joined
 from vehicledyn.kernel.kernel import Kernel
 from vehicledyn.multibody.model.system import System
@@ -77,7 +77,7 @@ class PartitionedRun:
     plan: RunPlan
     make_watch: Callable[[], PartitionMonitor]
     known: dict[tuple[str, ...], Kernel]
-    course: Course | None = None
+    course: RunHistory | None = None
     _parts: list[Statistics] = field(default_factory=list, init=False)
     _segment: int | None = field(default=None, init=False)
     _delivered: int = field(default=0, init=False)

@@ -24,7 +24,7 @@ from vehicledyn.analyses.simulation.partitions.singularity_crossing import Sampl
 from vehicledyn.analyses.simulation.run_plan import Point, RunPlan
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.integrate.accuracy.monitored_run import DivergenceError
-from vehicledyn.integrate.course import Course, MethodState, reading_history
+from vehicledyn.integrate.course import MethodState, RunHistory, reading_history
 from vehicledyn.integrate.task import Statistics, joined
 from vehicledyn.kernel.kernel import Kernel
 
@@ -51,7 +51,7 @@ class ProjectedRun:
     kernel: Kernel
     plan: RunPlan
     make_watch: Callable[[], PartitionMonitor]
-    course: Course | None = None
+    course: RunHistory | None = None
     _delivered: int = field(default=0, init=False)
     _parts: list[Statistics] = field(default_factory=list, init=False)
     _last: Sample | None = field(default=None, init=False)

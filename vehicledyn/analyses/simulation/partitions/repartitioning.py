@@ -19,8 +19,8 @@ from vehicledyn.analyses.simulation.sample_delivery import Delivery
 from vehicledyn.integrate.accuracy.monitor import AccuracyMonitor
 from vehicledyn.integrate.accuracy.monitored_run import MethodAndStep
 from vehicledyn.integrate.accuracy.proposed_step import proposed_step
-from vehicledyn.integrate.accuracy.windows import Grid, WindowStart
-from vehicledyn.integrate.course import Course
+from vehicledyn.integrate.accuracy.windows import StepGrid, WindowStart
+from vehicledyn.integrate.course import RunHistory
 from vehicledyn.integrate.fixed_step import FixedSteps, steps_per_interval
 from vehicledyn.integrate.judged_quantities import Judged
 from vehicledyn.integrate.simulate import Solver, simulate
@@ -55,7 +55,7 @@ def simulate_monitored(
     happened: Happened,
     watch: Callable[[], PartitionMonitor] | None = None,
     judged: Judged | None = None,
-    course: Course | None = None,
+    course: RunHistory | None = None,
 ) -> Statistics:
     """Integrate as :func:`~vehicledyn.integrate.simulate.simulate` does, through bad partitions.
 
@@ -130,7 +130,7 @@ class _Pieces:
         if plan.step is None:
             return None
         per_interval = steps_per_interval(plan.step, plan.interval)
-        grid = Grid.of(solver, plan.start, plan.interval, per_interval, plan.n_looks)
+        grid = StepGrid.of(solver, plan.start, plan.interval, per_interval, plan.n_looks)
         if grid is None:
             return None
         self.solver = grid.solver
@@ -143,7 +143,7 @@ class _Pieces:
         state: Vector,
         unknowns: Vector,
         *,
-        course: Course | None = None,
+        course: RunHistory | None = None,
     ) -> Statistics:
         """Run to the end, through changes of the partition."""
         if kernel.equations.structure.get("constraint_method") == "multipliers":

@@ -15,7 +15,7 @@ from vehicledyn.analyses.simulation.partitions.partition_changes import Partitio
 from vehicledyn.analyses.simulation.partitions.rederived import Origin, names_at_origin
 from vehicledyn.analyses.simulation.partitions.singularity_crossing import Sample
 from vehicledyn.analyses.simulation.partitions.singularity_monitor import PivotLog
-from vehicledyn.integrate.course import Beginning, Course, reading_history
+from vehicledyn.integrate.course import Beginning, RunHistory, reading_history
 from vehicledyn.symbolic.equations import Equations
 
 Vector = NDArray[np.float64]
@@ -61,11 +61,11 @@ class RunNotes:
 
     changes: PartitionChanges
     log: PivotLog
-    course: Course
+    course: RunHistory
     _kept: dict[tuple[str, ...], Origin] = field(default_factory=dict, init=False)
     _rows: dict[tuple[int, ...], list[int]] = field(default_factory=dict, init=False)
 
-    def of_piece(self, standing: Standing, beginning: Beginning | None) -> Course:
+    def of_piece(self, standing: Standing, beginning: Beginning | None) -> RunHistory:
         """Return what notes the history of a piece with dependent coordinates."""
 
         def note(time: float, numbers: Vector) -> None:
@@ -83,16 +83,18 @@ class RunNotes:
             ]
             self._note(time, parts)
 
-        return Course(note, beginning)
+        return RunHistory(note, beginning)
 
-    def of_multipliers(self, start: float, origin: Origin, beginning: Beginning | None) -> Course:
+    def of_multipliers(
+        self, start: float, origin: Origin, beginning: Beginning | None
+    ) -> RunHistory:
         """Return what notes the history of a run with multipliers from a start [s] on."""
 
         def note(time: float, numbers: Vector) -> None:
             self._keep_origin(_LEFT, origin)
             self._note(time, [[_MULTIPLIERS, start], numbers])
 
-        return Course(note, beginning)
+        return RunHistory(note, beginning)
 
     def _note(self, time: float, parts: list[Vector | list[float]]) -> None:
         for best, origin in self.changes.origins.items():

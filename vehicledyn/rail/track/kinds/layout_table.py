@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from pydantic import Field, ValidationError
 
-from vehicledyn.base.files.column_files import Column, Columns, read_columns
+from vehicledyn.base.files.column_files import ColumnKind, Columns, read_columns
 from vehicledyn.base.parameters import read_part
 from vehicledyn.base.problems import Problem, refusal
 from vehicledyn.base.registry import register
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
 _NUMBERS = ("length", "radius", "cant", "widening")
 _COLUMNS = {
-    "kind": Column(None, required=True),
-    **{name: Column("m", required=name == "length") for name in _NUMBERS},
+    "kind": ColumnKind(None, required=True),
+    **{name: ColumnKind("m", required=name == "length") for name in _NUMBERS},
 }
 
 

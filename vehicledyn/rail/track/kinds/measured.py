@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, ClassVar
 
 from pydantic import Field
 
-from vehicledyn.base.files.column_files import Column
+from vehicledyn.base.files.column_files import ColumnKind
 from vehicledyn.base.registry import register
-from vehicledyn.rail.track.pieces import Grade, Piece
+from vehicledyn.rail.track.pieces import Grade, TrackPiece
 from vehicledyn.rail.track.track_set import DesignedTrack
 
 if TYPE_CHECKING:
@@ -18,11 +18,11 @@ if TYPE_CHECKING:
     from vehicledyn.rail.track.alignment import Alignment, Array
 
 _COLUMNS = {
-    "s": Column("m", required=True),
-    "curvature": Column("1/m", required=True),
-    "cant": Column("m"),
-    "gradient": Column("1"),
-    "gauge": Column("m"),
+    "s": ColumnKind("m", required=True),
+    "curvature": ColumnKind("1/m", required=True),
+    "cant": ColumnKind("m"),
+    "gradient": ColumnKind("1"),
+    "gauge": ColumnKind("m"),
 }
 
 
@@ -72,7 +72,7 @@ class MeasuredTrack(DesignedTrack):
         rails = 0.5 * widening, -0.5 * widening
         pairs = [list(pairwise(map(float, v))) for v in (bend, cant, *rails)]
         lengths = s[1:] - s[:-1]
-        pieces = [Piece(float(n), *ends) for n, *ends in zip(lengths, *pairs, strict=True)]
+        pieces = [TrackPiece(float(n), *ends) for n, *ends in zip(lengths, *pairs, strict=True)]
         grades = _grades(s - s[0], values.get("gradient", none))
         return Alignment(pieces, self.base, grades, self.cant_about)
 
