@@ -20,7 +20,6 @@ MOVED = {"motion": {"crank.angle": SWING}, "duration": "20 ms"}
 ROAD = "body.height, road.height"
 TURN = "rocker.angle, crank.angle, 20 deg"
 RISE = "wheel.contact_z"
-RACK, VIEW = "rack.displacement", ("front_centre_y", "front_centre_z", "roll_centre_z")
 AXIS = "caster", "lateral_offset", "side_centre_x", "side_centre_z", "roll_centre_z"
 WALKS = {
     "channels": ("double_pendulum", ["upper.angle", "energy.kinetic"], RK4),
@@ -46,7 +45,7 @@ WALKS = {
             f"kinematics(roll_centre.{RISE}.wheel, {RISE}, 3 mm)",
             f"kinematics(motion_ratio.{RISE}.wheel.strut, {RISE}, 3 mm)",
             f"kinematics(ratio.{RISE}.wheel.turning_x, {RISE}, 3 mm)",
-            *(f"kinematics(swing.wheel.{n}, {RISE}, 3 mm, {RACK}=1 mm)" for n in VIEW),
+            f"kinematics(swing.wheel.roll_centre_z, {RISE}, 3 mm, rack.displacement=1 mm)",
         ],
         {},
     ),
