@@ -134,6 +134,19 @@ def test_a_stop_that_begins_to_touch_has_no_derivative(tmp_path):
     assert np.isnan(slopes[[1, 3]]).all()
 
 
+def test_the_rig_tells_where_slopes_jump(tmp_path):
+    """At the stop the wheel rate is 20 N/mm below and 70 N/mm above, and shown between them."""
+    path = tmp_path / "stop.yaml"
+    path.write_text(STOP, encoding="utf-8")
+    match = "10 mm .*wheel_rate' jumps there between 20 and 70 N"
+    with pytest.warns(vd.AccuracyWarning, match=match):
+        found = vd.rig(path, "parallel", "0 mm:20 mm:4")
+    assert found["wheel.wheel_rate"].values == pytest.approx([20e3, 20e3, 45e3, 70e3, 70e3])
+    assert len(found.notes) == 1
+    away = vd.rig(path, "parallel", "1 mm:9.9 mm:4")
+    assert not away.notes
+
+
 def test_wheels_that_cannot_rise_are_refused(tmp_path):
     path = tmp_path / "rigid.yaml"
     path.write_text(STOP.replace("T3 travel", "T1 travel"), encoding="utf-8")

@@ -6,7 +6,7 @@ lines, where these change from line to line.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -86,14 +86,17 @@ class CornerFunctions:
     ----------
     equations
         The model.
+    channels
+        Numbers of channels whose functions count as well.
     """
 
-    def __init__(self, equations: Equations) -> None:
+    def __init__(self, equations: Equations, channels: Sequence[int] = ()) -> None:
         import casadi
 
         e = equations
         inputs = [e.time, e.state, e.algebraic, e.parameter]
-        whole = inlined(casadi.vertcat(casadi.SX(e.rate), casadi.SX(e.residual)))
+        shown = casadi.SX(e.output)[list(channels)] if channels else casadi.SX(0, 1)
+        whole = inlined(casadi.vertcat(casadi.SX(e.rate), casadi.SX(e.residual), shown))
         found = _deciders(casadi.Function("f", inputs, [casadi.densify(whole)]), inputs)
         column = casadi.vertcat(*[item for item, _ in found]) if found else casadi.SX(0, 1)
         column = casadi.densify(column)

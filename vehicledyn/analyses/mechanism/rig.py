@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyses.mechanism.rig_bench import Bench
+from vehicledyn.analyses.mechanism.rig_corners import RigCorners
 from vehicledyn.analyses.mechanism.rig_quantities import Place
-from vehicledyn.analyses.mechanism.rig_report import RigReport, figures
+from vehicledyn.analyses.mechanism.rig_report import RigReport, corner_notes, figures
 from vehicledyn.analyses.mechanism.rig_tests import TESTS, RigTest, of_one_wheel
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.base.argument_names import argument
@@ -84,8 +85,11 @@ def run_rig(
     check_test(bench, request.test, target)
     bench.lift(request.travel)
     memory = (kept or KeptWork()).memory("rig", request, bench.facts)
-    found = swept(bench, test, values, partial(_row, bench, test), progress=progress, memory=memory)
-    return _write(target, request.test, bench, found, output)
+    row = partial(_row, bench, test, RigCorners(bench))
+    table, failure = swept(bench, test, values, row, progress=progress, memory=memory)
+    n = len(channels_of(bench, test))
+    sides = table[:, n:].reshape(len(table), 2, n - 1)
+    return _write(target, request.test, bench, (table[:, :n], failure, sides), output)
 
 
 def named_test(name: str) -> RigTest:
@@ -210,10 +214,20 @@ def quantities(
     return [*found, *_axle(bench, test, seen, slopes[0])]
 
 
-def _row(bench: Bench, test: RigTest, value: float) -> Array:
+def _row(bench: Bench, test: RigTest, corners: RigCorners, value: float) -> Array:
+    """Return a value, the quantities there, and these below and above it where they jump."""
+    found = _found(bench, test, value)
+    sides = np.full((2, len(found)), np.nan)
+    jumping = corners.sides(test, value, partial(_found, bench))
+    if jumping.size:
+        sides = jumping
+    return np.concatenate([[value], found, sides.ravel()])
+
+
+def _found(bench: Bench, test: RigTest, value: float) -> Array:
+    """Return the quantities at a value."""
     seen = bench.at(test.controls(bench, value))
-    found = quantities(bench, test, seen, bench.slopes(*ways(bench, test)))
-    return np.array([value, *found]).real
+    return np.array(quantities(bench, test, seen, bench.slopes(*ways(bench, test)))).real
 
 
 def _steered(
@@ -287,11 +301,12 @@ def channels_of(bench: Bench, test: RigTest) -> list[Channel]:
 
 
 def _write(
-    target: Target, name: str, bench: Bench, swept: tuple[Array, str], output: Path
+    target: Target, name: str, bench: Bench, swept: tuple[Array, str, Array], output: Path
 ) -> RigReport:
-    table, failure = swept
+    table, failure, sides = swept
     test = TESTS[name]
     channels = channels_of(bench, test)
+    notes = corner_notes(channels, table[:, 0], sides)
     known = [k for k in range(len(channels)) if np.isfinite(table[:, k]).any()]
     channels, table = [channels[k] for k in known], table[:, known]
     status = "failed" if failure else "ok"
@@ -306,9 +321,9 @@ def _write(
         output, channels=channels, header=header, expected_samples=len(table)
     ) as writer:
         writer.append(np.arange(len(table), dtype=float), table)
-        writer.close(status, failure, summary=list(_summary(channels, table[middle])))
+        writer.close(status, failure, summary=list(_summary(channels, table[middle])), notes=notes)
     return RigReport(
-        target.model_name, name, output, status, tuple(channels), table, middle, failure
+        target.model_name, name, output, status, tuple(channels), table, middle, failure, notes
     )
 
 

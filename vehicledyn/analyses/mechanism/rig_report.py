@@ -47,13 +47,13 @@ class RigReport:
     table: Array
     middle: int
     failure: str = ""
+    notes: tuple[str, ...] = ()
 
     @property
     def messages(self) -> list[str]:
         """Return what a person must know beside the table."""
-        return (
-            [f"{self.failure}; the partial result is kept in {self.path}"] if self.failure else []
-        )
+        partial = f"{self.failure}; the partial result is kept in {self.path}"
+        return [*self.notes, *([partial] if self.failure else [])]
 
     def as_text(self) -> str:
         """Return the quantities at the middle and their ranges over the test."""
@@ -83,6 +83,7 @@ class RigReport:
             "result": self.path,
             "status": self.status,
             "failure": self.failure,
+            "notes": list(self.notes),
             "channels": {
                 c.name: {"unit": c.unit, "description": c.description, "values": self.table[:, k]}
                 for k, c in enumerate(self.channels)
@@ -134,3 +135,34 @@ def _text(value: float, unit: str) -> str:
 
 def _clean(value: float) -> float:
     return 0.0 if abs(value) < 5e-10 else value
+
+
+def corner_notes(channels: Sequence[Channel], values: Array, sides: Array) -> tuple[str, ...]:
+    """Return a line for each place at which quantities jump, as where a stop begins to touch.
+
+    Parameters
+    ----------
+    channels
+        The control, then all quantities.
+    values
+        Of the control, shape (n_places,).
+    sides
+        Quantities below and above the places, shape (n_places, 2, n), not a number where they do
+        not jump.
+    """
+    notes, control = [], channels[0]
+    for value, (below, above) in zip(values, sides, strict=True):
+        jumping = np.flatnonzero(np.isfinite(below))
+        if not jumping.size:
+            continue
+        first = channels[1 + jumping[0]]
+        unit, factor = SHOWN.get(first.unit, (first.unit, 1.0))
+        both = " and ".join(f"{_clean(float(s[jumping[0]] * factor)):.6g}" for s in (below, above))
+        more = jumping.size - 1
+        which = f" and {more} more jump there, it" if more else " jumps there"
+        notes.append(
+            f"warning: at {control.name} = {_text(value, control.unit)} a law has a corner, such "
+            f"as a stop that begins to touch: '{first.name}'{which} between {both} {unit}".rstrip()
+            + "; what is shown lies between both sides"
+        )
+    return tuple(notes)

@@ -12,7 +12,7 @@ count from the design position, which follows the parameters, too: the rig's u m
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from functools import cached_property
 
 import numpy as np
@@ -26,6 +26,7 @@ from vehicledyn.analyse.gradients.linear_system import (
 )
 from vehicledyn.analyses.mechanism.rig import quantities, ways
 from vehicledyn.analyses.mechanism.rig_bench import Bench
+from vehicledyn.analyses.mechanism.rig_corners import JUMP, apart, jumps
 from vehicledyn.analyses.mechanism.rig_tests import RigTest
 from vehicledyn.base.errors import NumericalError
 
@@ -36,15 +37,6 @@ _ASIDE = 1e-40
 
 _FELT = 1e-9
 """Part of the largest derivative below which a loose motion of the design position is not felt."""
-
-_BESIDE = {"N": 1e-3, "N*m": 1e-3}
-"""Distance to both sides at which corners of laws are looked for, 1e-7 of other units."""
-
-_LIFTED = 2e-7
-"""Travel to both sides along with that [m], so that wheels that roll do not cross each other."""
-
-_JUMP = 1e-3
-"""Part of the largest above which a change between both sides is a jump; of smooth laws 1e-7."""
 
 
 class BenchSlopes:
@@ -89,41 +81,26 @@ class BenchSlopes:
             If nothing balances there, or what is wanted has no derivatives.
         """
         found = self._smooth(test, value)
-        kept, lifted = self.bench.place, self.bench.lifted
+        kept = self.bench.place
         try:
             if self._is_corner(test, value):
-                near, wide = (self._apart(test, value, k, self._smooth)[:, 1:] for k in (1, 10))
-                change, sizes = np.max(np.abs(near[0] - near[1]), axis=0), np.abs(near[0])
-                grown = np.max(np.abs(wide[0] - wide[1]), axis=0)
-                jumps = (change > _JUMP * np.max(sizes, axis=0)) & (grown < 2.0 * change)
-                found[1:, jumps] = np.nan
+                jump = jumps(self.bench, test, value, lambda *at: self._smooth(*at)[1:])[0]
+                found[1:, jump] = np.nan
         except NumericalError:
             pass  # the mechanism ends there
         finally:
             self.bench.place = kept
-            self.bench.lift(lifted)
         return found
 
     def _is_corner(self, test: RigTest, value: float) -> bool:
         """Whether slopes of forces or moments along the rig's ways jump at a place."""
-        right, left = self._apart(test, value, 1, self._ways)
+        right, left = apart(self.bench, test, value, 1, self._ways)
         units = np.array([c.unit for c in self.bench.channels.values()])
         return any(
             np.max(np.abs(right - left)[:, units == unit])
-            > _JUMP * np.max(np.abs(right)[:, units == unit])
+            > JUMP * np.max(np.abs(right)[:, units == unit])
             for unit in {"N", "N*m"} & set(units)
         )
-
-    def _apart(
-        self, test: RigTest, value: float, steps: int, find: Callable[[RigTest, float], Array]
-    ) -> Array:
-        """Return what is found a little to both sides of a place, the upper side first."""
-        bench, lifted, found = self.bench, self.bench.lifted, []
-        for away in (steps, -steps):
-            bench.lift(lifted + away * _LIFTED)
-            found.append(find(test, value + away * _BESIDE.get(test.unit, 1e-7)))
-        bench.lift(lifted)
-        return np.array(found)
 
     def _ways(self, test: RigTest, value: float) -> Array:
         """Return slopes of all channels along the rig's ways, (n_ways, n_channels)."""
