@@ -18,7 +18,7 @@ from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
 from vehicledyn.base.step_memory import Memory, Shelf
 from vehicledyn.interface.targets import read_scenario
 from vehicledyn.studies.identification import experiments
-from vehicledyn.studies.identification.experiments import Experiment, Fitting, Measured
+from vehicledyn.studies.identification.experiments import Experiment, Fitting, MeasuredChannel
 from vehicledyn.studies.identification.identify import identify_from
 
 NOISE = 0.05
@@ -99,7 +99,7 @@ def main() -> None:
         for name, y in clean.items():
             noise = NOISE * float(np.std(y))
             noisy = y + noise * rng.normal(size=len(y))
-            measured.append(Measured(name, motion.times, noisy, noise))
+            measured.append(MeasuredChannel(name, motion.times, noisy, noise))
         measurement = [Experiment("", loaded, tuple(measured))]
         found = identify_from("", measurement, bounds, progress=quiet, runs=kept).found
         held = (found.intervals[:, 0] <= truth) & (truth <= found.intervals[:, 1])

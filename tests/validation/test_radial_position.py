@@ -22,7 +22,7 @@ from vehicledyn.rail.contact.rigid_contact import RigidRailWheels, RigidWheel
 from vehicledyn.rail.contact.rigid_touch import TouchingWheel
 from vehicledyn.rail.contact.rolling_contact import Material
 from vehicledyn.rail.creep.johnson_vermeulen import JohnsonVermeulen
-from vehicledyn.rail.geometry.contact_geometry import Wheel, place_rail
+from vehicledyn.rail.geometry.contact_geometry import MountedWheel, place_rail
 from vehicledyn.rail.geometry.wheelset_geometry import WheelsetOnTrack, stand
 from vehicledyn.rail.profiles.named_profiles import named_profile
 from vehicledyn.rail.profiles.outline import ArcOutline, ConeOutline
@@ -52,7 +52,7 @@ class Circle:
 
 def numeric_wheelset():
     rail = place_rail(named_profile(f"arc:{RAIL_RADIUS} m", "rail"), CONICITY, 1.435, 0.001)
-    wheel = Wheel(named_profile("cone:1/20", "wheel"), RADIUS, rail.origin[0])
+    wheel = MountedWheel(named_profile("cone:1/20", "wheel"), RADIUS, rail.origin[0])
     return WheelsetOnTrack(wheel, wheel, rail, rail)
 
 

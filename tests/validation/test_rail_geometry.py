@@ -8,7 +8,7 @@ import pytest
 from reference_cases.rail_geometry import deviations, jump_distance, table_jumps
 
 from vehicledyn.rail.geometry.conicity import RadiusDifference, equivalent_conicity
-from vehicledyn.rail.geometry.contact_geometry import Pose, Wheel, place_rail
+from vehicledyn.rail.geometry.contact_geometry import MountedWheel, Pose, place_rail
 from vehicledyn.rail.geometry.elastic_geometry import settled
 from vehicledyn.rail.geometry.hertz import effective_modulus
 from vehicledyn.rail.geometry.wheelset_geometry import WheelsetOnTrack, stand, stand_level
@@ -48,7 +48,7 @@ def test_deviations_are_the_steps_of_the_table():
 @pytest.mark.parametrize(("rail", "expected"), [("60E1", 0.959), ("60E1_manchester", 0.994)])
 def test_radius_difference_at_three_millimetres(rail, expected):
     """Known to a micrometre for both heads of the rail."""
-    wheel = Wheel(named_profile("S1002", "wheel"), 0.46, 0.75)
+    wheel = MountedWheel(named_profile("S1002", "wheel"), 0.46, 0.75)
     placed = place_rail(named_profile(rail, "rail"), np.arctan(1 / 40), 1.435, 0.014)
     standing = stand(WheelsetOnTrack(wheel, wheel, placed, placed), 0.003)
     left, right = (wheel.table.height(t.place)[0] for t in (standing.left, standing.right))
@@ -77,7 +77,7 @@ this depth, at 32.4285 mm from the axis; the gauge face itself is at 32.403 mm.
 
 def difference_of(folder, name, gauge, reach):
     """Shifts and rolling radius differences of a reference wheel without roll, each 0.1 mm [m]."""
-    wheel = Wheel(read_profile(extract(folder, name), "wheel"), 0.46, 0.75)
+    wheel = MountedWheel(read_profile(extract(folder, name), "wheel"), 0.46, 0.75)
     rail = place_rail(read_profile(extract(folder, "SUIC519A"), "rail"), 0.0, gauge, 0.014)
     wheelset = WheelsetOnTrack(wheel, wheel, rail, rail)
     shift = 1e-4 * np.arange(reach + 1)
@@ -134,7 +134,7 @@ def test_elastic_contact_of_the_manchester_benchmark():
     Its y counts to the right and its roll from there: both change sign here.
     """
     steel = effective_modulus(2.0 * 82e9 * 1.28, 0.28, 2.0 * 82e9 * 1.28, 0.28)
-    wheel = Wheel(named_profile("S1002", "wheel"), 0.46, 0.75)
+    wheel = MountedWheel(named_profile("S1002", "wheel"), 0.46, 0.75)
     rail = place_rail(named_profile("60E1_manchester", "rail"), np.arctan(1 / 40), 1.435, 0.014)
     missed, approaches = [], []
     with (REFERENCE / "manchester_a22_contact.csv").open(encoding="utf-8") as file:

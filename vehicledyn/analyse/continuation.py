@@ -35,7 +35,7 @@ Function = Callable[[Vector], Vector]
 
 
 @dataclass(frozen=True)
-class Equations:
+class BranchEquations:
     """Rows G(u), shape (n_rows,), and their Jacobian, shape (n_rows, n_unknowns)."""
 
     rows: Function
@@ -72,7 +72,7 @@ class PathOutcome:
 
 
 def follow(
-    equations: Equations,
+    equations: BranchEquations,
     unknowns: Vector,
     first: Vector,
     last: Vector,
@@ -94,7 +94,7 @@ def follow(
     return _Walk(equations, first, last).go(unknowns, heading)
 
 
-def tangents(equations: Equations, unknowns: Vector, moves: Vector) -> Vector | None:
+def tangents(equations: BranchEquations, unknowns: Vector, moves: Vector) -> Vector | None:
     """Return ∂u/∂target times some moves of the targets, None where the place is singular.
 
     Parameters
@@ -115,13 +115,13 @@ def tangents(equations: Equations, unknowns: Vector, moves: Vector) -> Vector | 
     return np.asarray(np.linalg.lstsq(slopes, moves, rcond=None)[0])
 
 
-def singular_direction(equations: Equations, unknowns: Vector) -> Vector | None:
+def singular_direction(equations: BranchEquations, unknowns: Vector) -> Vector | None:
     """Return the direction that the targets do not determine at a solution, if there is one."""
     slopes = equations.jacobian(unknowns)
     return _weakest(slopes) if _weakness(slopes) < _SINGULAR else None
 
 
-def solve_targets(equations: Equations, guess: Vector, targets: Vector) -> Vector | None:
+def solve_targets(equations: BranchEquations, guess: Vector, targets: Vector) -> Vector | None:
     """Return the unknowns for some targets by Newton's method, None if it does not converge."""
     u = guess.copy()
     scale = 1.0 + np.abs(targets)
@@ -141,7 +141,7 @@ def solve_targets(equations: Equations, guess: Vector, targets: Vector) -> Vecto
 class _Walk:
     """One way, followed step by step."""
 
-    def __init__(self, equations: Equations, first: Vector, last: Vector) -> None:
+    def __init__(self, equations: BranchEquations, first: Vector, last: Vector) -> None:
         self.equations, self.first, self.move = equations, first, last - first
         self.kept: list[int] = []
         self.sign = 0.0

@@ -28,7 +28,7 @@ _PIVOT = 1e-6
 
 
 @dataclass(frozen=True)
-class Step:
+class StaircaseStep:
     """One step of the staircase: null space N, orthonormal complement C, coupling Nᵀ A C."""
 
     null: Vector
@@ -41,7 +41,7 @@ class Staircase:
     """A matrix with its zeros taken away: ``core`` has none, ``steps`` lead back."""
 
     core: Vector
-    steps: tuple[Step, ...]
+    steps: tuple[StaircaseStep, ...]
     scale: Vector
 
     @property
@@ -94,13 +94,13 @@ def staircase(matrix: Vector) -> Staircase:
     from scipy.linalg import matrix_balance
 
     balanced, (scale, _) = matrix_balance(matrix, permute=False, separate=True)
-    steps: list[Step] = []
+    steps: list[StaircaseStep] = []
     while balanced.size:
         null, complement = _null_space(balanced)
         if not null.shape[1]:
             break
         inside = balanced @ complement
-        steps.append(Step(null, complement, null.T @ inside))
+        steps.append(StaircaseStep(null, complement, null.T @ inside))
         balanced = complement.T @ inside
     return Staircase(balanced, tuple(steps), scale)
 

@@ -13,10 +13,10 @@ from pydantic import Field, model_validator
 from vehicledyn.base.parameters import ParameterSet, part, quantity
 from vehicledyn.cams.conjugate import Conjugate
 from vehicledyn.cams.follower import Follower
-from vehicledyn.cams.geometry import CamGeometry, Motion, geometry_of
+from vehicledyn.cams.geometry import CamGeometry, FollowerMotion, geometry_of
 from vehicledyn.cams.motion import TURN, motion_of
 from vehicledyn.cams.motion_law import MotionLaw
-from vehicledyn.cams.outline import Outline
+from vehicledyn.cams.outline import CamOutline
 from vehicledyn.cams.pieces import PieceCurve
 
 Array = NDArray[np.float64]
@@ -78,9 +78,9 @@ class Cam(ParameterSet):
         return list(self.motion or [])  # type: ignore[arg-type]
 
     @property
-    def shape(self) -> Outline:
+    def shape(self) -> CamOutline:
         """The outline."""
-        assert_kind(self.outline, Outline)
+        assert_kind(self.outline, CamOutline)
         return self.outline  # type: ignore[return-value]
 
     @cached_property
@@ -95,13 +95,13 @@ class Cam(ParameterSet):
             return self.touch.start(self.base_radius)
         return self._lowest()
 
-    def moving(self, theta: Array) -> Motion:
+    def moving(self, theta: Array) -> FollowerMotion:
         """Return the motion of the follower at angles of the cam [rad]."""
         theta = np.asarray(theta, dtype=float)
         if self.curve is None:
             return self.shape.motion(self.touch, theta)
         lift, slope, second, _ = self.curve.derivatives(np.mod(theta, TURN))
-        return Motion(theta, self.start + lift, slope, second)
+        return FollowerMotion(theta, self.start + lift, slope, second)
 
     def geometry(self, theta: Array) -> CamGeometry:
         """Return the geometry at angles of the cam [rad]."""

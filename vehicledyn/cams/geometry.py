@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Motion:
+class FollowerMotion:
     """Angles of the cam [rad] and the follower's coordinate c with its derivatives by them."""
 
     theta: Array
@@ -42,7 +42,7 @@ class CamGeometry:
     cylinder.
     """
 
-    motion: Motion
+    motion: FollowerMotion
     pitch: Array
     profile: Array
     pressure_angle: Array
@@ -53,7 +53,7 @@ class CamGeometry:
     normal: Array
 
 
-def geometry_of(follower: Follower, motion: Motion) -> CamGeometry:
+def geometry_of(follower: Follower, motion: FollowerMotion) -> CamGeometry:
     """Return the geometry of a follower that moves as given."""
     if isinstance(follower, PointFollower):
         return _of_point(follower, motion)
@@ -80,7 +80,7 @@ def _left(a: Array) -> Array:
     return np.array([-a[1], a[0]])
 
 
-def _of_point(follower: PointFollower, motion: Motion) -> CamGeometry:
+def _of_point(follower: PointFollower, motion: FollowerMotion) -> CamGeometry:
     centre = follower.centre(motion.coordinate)
     velocity = centre.first * motion.slope
     bend = centre.second * motion.slope**2 + centre.first * motion.second
@@ -108,7 +108,7 @@ def _of_point(follower: PointFollower, motion: Motion) -> CamGeometry:
     )
 
 
-def _of_line(follower: LineFollower, motion: Motion) -> CamGeometry:
+def _of_line(follower: LineFollower, motion: FollowerMotion) -> CamGeometry:
     line = follower.line(motion.coordinate)
     turn = line.turning * motion.slope - 1.0
     first = line.first * motion.slope
@@ -134,7 +134,7 @@ def _of_line(follower: LineFollower, motion: Motion) -> CamGeometry:
     )
 
 
-def _of_axial(follower: AxialRoller, motion: Motion) -> CamGeometry:
+def _of_axial(follower: AxialRoller, motion: FollowerMotion) -> CamGeometry:
     around = follower.distance * np.ones_like(motion.theta)
     size = length(around, motion.slope)
     normal = np.array([-motion.slope, around]) / size

@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import PrivateAttr
 
 from vehicledyn.cams.cam import Cam
-from vehicledyn.cams.geometry import Array, CamGeometry, Motion, turned
+from vehicledyn.cams.geometry import Array, CamGeometry, FollowerMotion, turned
 from vehicledyn.cams.pieces import PieceCurve
 
 
@@ -33,11 +33,11 @@ class OppositeCam(Cam):
         pair = self._first.conjugate
         return (0.0 if pair is None else pair.apart) - self._first.start
 
-    def moving(self, theta: Array) -> Motion:
+    def moving(self, theta: Array) -> FollowerMotion:
         """Return the motion of the follower at angles of the cam [rad]."""
         first = self._first.moving(theta)
         total = self.start + self._first.start
-        return Motion(first.theta, total - first.coordinate, -first.slope, -first.second)
+        return FollowerMotion(first.theta, total - first.coordinate, -first.slope, -first.second)
 
     def in_axes_of_first(self, own: CamGeometry) -> CamGeometry:
         """Return a geometry with its pitch curve and profile in axes of the first cam."""

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.base.parameters import ParameterSet
 from vehicledyn.cams.follower import Follower, LineFollower, PointFollower
-from vehicledyn.cams.geometry import Motion, turned
+from vehicledyn.cams.geometry import FollowerMotion, turned
 from vehicledyn.symbolic.ops import Scalar
 
 Array = NDArray[np.float64]
@@ -41,10 +41,10 @@ class Reach(NamedTuple):
     curvature: Array
 
 
-class Outline(ParameterSet):
+class CamOutline(ParameterSet):
     """Base of the outlines of cams, closed curves about the origin in axes of the cam."""
 
-    def beside(self, folder: Path) -> Outline:
+    def beside(self, folder: Path) -> CamOutline:
         """Return the outline with what its files hold, relative to a folder."""
         return self
 
@@ -70,7 +70,7 @@ class Outline(ParameterSet):
     def line_gap(self, angle: Scalar, distance: Scalar) -> Scalar:
         """Return how far a face is outside the outline [m]."""
 
-    def motion(self, follower: Follower, theta: Array) -> Motion:
+    def motion(self, follower: Follower, theta: Array) -> FollowerMotion:
         """Return the motion of a follower on the outline.
 
         Raises
@@ -86,7 +86,7 @@ class Outline(ParameterSet):
             "an outline has followers that slide or rock in its plane; a face cam needs a motion"
         )
 
-    def _of_point(self, follower: PointFollower, theta: Array) -> Motion:
+    def _of_point(self, follower: PointFollower, theta: Array) -> FollowerMotion:
         found = self.reach(follower, theta)
         centre = follower.centre(found.coordinate)
         # n · dP/dθ = 0 and n · d²P/dθ² + κ |dP/dθ|² = 0 along the pitch curve.
@@ -99,9 +99,9 @@ class Outline(ParameterSet):
         rest = centre.second * slope**2 - centre.place
         rest = rest + 2.0 * np.array([velocity[1], -velocity[0]])
         bend = np.sum(normal * rest, axis=0) + found.curvature * np.sum(along**2, axis=0)
-        return Motion(theta, found.coordinate, slope, -bend / lever)
+        return FollowerMotion(theta, found.coordinate, slope, -bend / lever)
 
-    def _of_line(self, follower: LineFollower, theta: Array) -> Motion:
+    def _of_line(self, follower: LineFollower, theta: Array) -> FollowerMotion:
         lowest = float(self.support(np.linspace(0.0, 2.0 * np.pi, 720)).distance.min())
         coordinate = np.full_like(theta, follower.start(lowest))
         for _ in range(_STEPS):
@@ -118,4 +118,4 @@ class Outline(ParameterSet):
         slope = -touching.aside / lever
         turn = line.turning * slope - 1.0
         bend = (touching.radius - touching.distance) * turn**2 - line.second * slope**2
-        return Motion(theta, coordinate, slope, bend / lever)
+        return FollowerMotion(theta, coordinate, slope, bend / lever)

@@ -61,9 +61,15 @@ class _Verbs(TyperGroup):
         try:
             with arguments_named(OptionNaming()):
                 return super().invoke(ctx)
+        except typer.BadParameter as error:
+            error.message = error.message.removeprefix(_IN_FRONT)
+            raise
         except KeyboardInterrupt:
             raise StoppedError("interrupted") from None
 
+
+_IN_FRONT = "Value error, "
+"""What pydantic puts in front of the message for a wrong choice."""
 
 HOMES = {
     "files": ("compare", "plot", "info", "assess"),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import textwrap
 
 from vehicledyn.export.document import (
-    Document,
+    ExportedSystem,
     head,
     indented,
     missing,
@@ -15,7 +15,7 @@ from vehicledyn.export.document import (
     text_of,
 )
 from vehicledyn.export.procedures import Procedure
-from vehicledyn.export.statements import Body
+from vehicledyn.export.statements import PrintedFunction
 from vehicledyn.export.tables import c_table
 
 _SIGN = """\
@@ -76,7 +76,7 @@ int @NAME@_solve_loops(double t, const double x[], double z[], const struct @NAM
 """
 
 
-def c_header(document: Document) -> str:
+def c_header(document: ExportedSystem) -> str:
     """Return the text of the header."""
     name = document.name
     guard = f"{name.upper()}_H"
@@ -111,7 +111,7 @@ def c_header(document: Document) -> str:
     return text_of(lines)
 
 
-def c_source(document: Document) -> str:
+def c_source(document: ExportedSystem) -> str:
     """Return the text of the source; it includes the header by the model's name."""
     name, n = document.name, document.sizes()["z"]
     lines = [
@@ -140,7 +140,7 @@ def c_source(document: Document) -> str:
     return text_of([*lines, "", *solve.splitlines()])
 
 
-def _signature(document: Document, procedure: Procedure) -> str:
+def _signature(document: ExportedSystem, procedure: Procedure) -> str:
     arguments = []
     for argument in procedure.arguments:
         if argument.is_scalar:
@@ -155,7 +155,7 @@ def _signature(document: Document, procedure: Procedure) -> str:
     return _wrapped(f"void {document.name}_{procedure.name}({', '.join(arguments)})")
 
 
-def _function(document: Document, procedure: Procedure, body: Body) -> list[str]:
+def _function(document: ExportedSystem, procedure: Procedure, body: PrintedFunction) -> list[str]:
     language = document.language
     empty = {target.name for target in procedure.targets if not target.entries}
     unused = [a.name for a in procedure.arguments if a.name not in body.arguments]

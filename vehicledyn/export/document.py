@@ -10,14 +10,14 @@ from vehicledyn.base.version import VERSION
 from vehicledyn.codegen.printers.languages import Language
 from vehicledyn.export.identifiers import safe_name, safe_names
 from vehicledyn.export.procedures import Procedure, procedures
-from vehicledyn.export.statements import Body, write_body
+from vehicledyn.export.statements import PrintedFunction, write_body
 from vehicledyn.export.tables import NamedTable, named_tables
 from vehicledyn.multibody.equations.equation_terms import Ingredients
 from vehicledyn.symbolic.equations import Equations
 
 
 @dataclass(frozen=True)
-class Start:
+class ExportedStart:
     """Values an export carries along: parameters, states and unknowns at a time, all in SI."""
 
     parameters: tuple[float, ...]
@@ -25,9 +25,9 @@ class Start:
     unknowns: tuple[float, ...]
 
 
-def start_of(equations: Equations) -> Start:
+def start_of(equations: Equations) -> ExportedStart:
     """Return the values that the equations themselves hold, loops assembled."""
-    return Start(
+    return ExportedStart(
         tuple(p.value for p in equations.parameters),
         tuple(v.start for v in equations.states),
         tuple(v.start for v in equations.unknowns),
@@ -35,7 +35,7 @@ def start_of(equations: Equations) -> Start:
 
 
 @dataclass(frozen=True)
-class Document:
+class ExportedSystem:
     """A system written in a language: its bodies by procedure, and the names in it.
 
     ``name`` is the identifier of the model, ``parameters`` those of its parameters; ``tables``
@@ -45,9 +45,9 @@ class Document:
     name: str
     language: Language
     ingredients: Ingredients
-    start: Start
+    start: ExportedStart
     parameters: list[str]
-    written: tuple[tuple[Procedure, Body], ...]
+    written: tuple[tuple[Procedure, PrintedFunction], ...]
     tables: tuple[NamedTable, ...] = ()
 
     @property
@@ -76,14 +76,14 @@ class Document:
 
 
 def write_document(
-    ingredients: Ingredients, language: Language, name: str, start: Start | None
-) -> Document:
+    ingredients: Ingredients, language: Language, name: str, start: ExportedStart | None
+) -> ExportedSystem:
     """Return a system written in a language; without a start, the equations' own values."""
     equations = ingredients.equations
     names = safe_names([p.name for p in equations.parameters])
     parts = procedures(ingredients)
     tables = named_tables(parts)
-    return Document(
+    return ExportedSystem(
         safe_name(name),
         language,
         ingredients,
@@ -94,7 +94,7 @@ def write_document(
     )
 
 
-def head(document: Document) -> list[str]:
+def head(document: ExportedSystem) -> list[str]:
     """Return the lines at the top of a file, without comment signs."""
     g, first = document.ingredients, document.language.first
     counts = [f"  {p.name:20} {body.operations}" for p, body in document.written]
@@ -150,7 +150,7 @@ def one_line(text: str) -> str:
     return " ".join(text.split()).replace("*/", "* /")
 
 
-def parameter_rows(document: Document) -> list[tuple[str, float, str]]:
+def parameter_rows(document: ExportedSystem) -> list[tuple[str, float, str]]:
     """Return identifier, value and comment of each parameter."""
     return [
         (name, value, f"[{p.unit}] {p.name}: {one_line(p.description)}")
@@ -163,7 +163,7 @@ def parameter_rows(document: Document) -> list[tuple[str, float, str]]:
     ]
 
 
-def statement_lines(body: Body, language: Language, assign: str) -> list[str]:
+def statement_lines(body: PrintedFunction, language: Language, assign: str) -> list[str]:
     """Return the lines of the statements; ``assign`` is a format of name and text."""
     lines = []
     for statement in body.statements:
@@ -174,7 +174,9 @@ def statement_lines(body: Body, language: Language, assign: str) -> list[str]:
     return lines
 
 
-def result_lines(procedure: Procedure, body: Body, language: Language, end: str) -> list[str]:
+def result_lines(
+    procedure: Procedure, body: PrintedFunction, language: Language, end: str
+) -> list[str]:
     """Return the lines that store the results, with the meaning of each element."""
     meanings = {target.name: target.meaning for target in procedure.targets}
     lines = []

@@ -8,7 +8,7 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.base.files.whole_file import folder_for_files, write_whole
 from vehicledyn.codegen.printers.operations import MATLAB, PYTHON, C
 from vehicledyn.export import c, matlab, python
-from vehicledyn.export.document import Start, write_document
+from vehicledyn.export.document import ExportedStart, write_document
 from vehicledyn.export.identifiers import safe_name
 from vehicledyn.multibody.equations.equation_terms import Ingredients
 
@@ -24,7 +24,7 @@ def file_of(path: Path | None, name: str, suffix: str) -> Path:
 
 
 def export_text(
-    ingredients: Ingredients, language: str, name: str, start: Start | None = None
+    ingredients: Ingredients, language: str, name: str, start: ExportedStart | None = None
 ) -> dict[str, str]:
     """Return the texts of the files that a system is exported to, by their endings.
 
@@ -53,7 +53,7 @@ def export_text(
 
 
 def export_files(
-    ingredients: Ingredients, language: str, path: Path, start: Start | None = None
+    ingredients: Ingredients, language: str, path: Path, start: ExportedStart | None = None
 ) -> list[Path]:
     """Write a system to a file, and for C to a header beside it; return their paths.
 

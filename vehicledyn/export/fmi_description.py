@@ -10,7 +10,7 @@ from xml.etree import ElementTree as Xml
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.units import parse_unit
 from vehicledyn.base.version import VERSION
-from vehicledyn.export.document import Start
+from vehicledyn.export.document import ExportedStart
 from vehicledyn.symbolic.equations import Equations
 
 _STRUCTURED = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*", re.ASCII)
@@ -40,7 +40,7 @@ class FmiVariable:
     attributes: dict[str, str]
 
 
-def variables_of(equations: Equations, start: Start) -> list[FmiVariable]:
+def variables_of(equations: Equations, start: ExportedStart) -> list[FmiVariable]:
     """Return all variables in the order of their value references.
 
     A channel that repeats a state is left out, the state itself is an output then; other names
@@ -79,7 +79,7 @@ def variables_of(equations: Equations, start: Start) -> list[FmiVariable]:
 
 
 def model_description(
-    equations: Equations, identifier: str, token: str, start: Start, experiment: Experiment
+    equations: Equations, identifier: str, token: str, start: ExportedStart, experiment: Experiment
 ) -> str:
     """Return the text of modelDescription.xml."""
     variables = variables_of(equations, start)

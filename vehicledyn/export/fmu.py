@@ -23,7 +23,7 @@ from vehicledyn.codegen.ir.table_rows import ROW
 from vehicledyn.codegen.passes.kernel_functions import KernelFunctions, derive_functions
 from vehicledyn.codegen.printers.kernel_source import portable_source
 from vehicledyn.codegen.toolchain.compiler import CompilationError, build_library, find_compiler
-from vehicledyn.export.document import Start, start_of
+from vehicledyn.export.document import ExportedStart, start_of
 from vehicledyn.export.fmi_description import Experiment, build_description, model_description
 from vehicledyn.export.identifiers import safe_name
 from vehicledyn.symbolic.equations import Equations
@@ -39,7 +39,7 @@ _EPOCH = (1980, 1, 1, 0, 0, 0)
 def export_fmu(
     equations: Equations,
     path: Path,
-    start: Start | None = None,
+    start: ExportedStart | None = None,
     experiment: Experiment | None = None,
 ) -> Path:
     """Write an FMU and return its path; equal systems give equal files.
@@ -86,12 +86,12 @@ def export_fmu(
     return path
 
 
-def _kernel_and_tables(equations: Equations, start: Start) -> str:
+def _kernel_and_tables(equations: Equations, start: ExportedStart) -> str:
     functions = derive_functions(equations)
     return "\n".join([portable_source(equations, functions), *_tables(equations, functions, start)])
 
 
-def _tables(equations: Equations, functions: KernelFunctions, start: Start) -> list[str]:
+def _tables(equations: Equations, functions: KernelFunctions, start: ExportedStart) -> list[str]:
     """Return what fmi3.c needs to know besides the kernel."""
     e = equations
     resets = [pair for event in e.events for pair in event.resets]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from vehicledyn.export.document import (
-    Document,
+    ExportedSystem,
     head,
     indented,
     parameter_rows,
@@ -12,7 +12,7 @@ from vehicledyn.export.document import (
     text_of,
 )
 from vehicledyn.export.procedures import Procedure
-from vehicledyn.export.statements import Body
+from vehicledyn.export.statements import PrintedFunction
 from vehicledyn.export.tables import matlab_table
 
 _SOLVE = """\
@@ -60,7 +60,7 @@ end
 }
 
 
-def matlab_function(document: Document) -> str:
+def matlab_function(document: ExportedSystem) -> str:
     """Return the text of the function file, to be named after the model."""
     name, comment = document.name, document.language.comment
     lines = [
@@ -81,7 +81,7 @@ def matlab_function(document: Document) -> str:
     return text_of(lines)
 
 
-def _model(document: Document) -> list[str]:
+def _model(document: ExportedSystem) -> list[str]:
     rows = [
         f"p.{name} = {document.language.number(value).text};  % {comment}"
         for name, value, comment in parameter_rows(document)
@@ -99,7 +99,7 @@ def _model(document: Document) -> list[str]:
     ]
 
 
-def _function(document: Document, procedure: Procedure, body: Body) -> list[str]:
+def _function(document: ExportedSystem, procedure: Procedure, body: PrintedFunction) -> list[str]:
     language = document.language
     results = ", ".join(target.name for target in procedure.targets)
     arguments = ", ".join(argument.name for argument in procedure.arguments)

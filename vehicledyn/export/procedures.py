@@ -30,7 +30,7 @@ class Argument:
 
 
 @dataclass(frozen=True)
-class Target:
+class ResultArray:
     """A result: name, shape (rows,) or (rows, columns) and its structural nonzeros.
 
     ``meaning`` says what each row of a vector is.
@@ -49,7 +49,7 @@ class Procedure:
     name: str
     summary: str
     arguments: tuple[Argument, ...]
-    targets: tuple[Target, ...]
+    targets: tuple[ResultArray, ...]
     labels: tuple[Label, ...] = ()
 
 
@@ -183,10 +183,10 @@ def _items(column: Scalar) -> list[Scalar]:
     return [column[k] for k in range(column.shape[0])]
 
 
-def _vector(name: str, items: Sequence[Scalar], meaning: Iterable[str]) -> Target:
+def _vector(name: str, items: Sequence[Scalar], meaning: Iterable[str]) -> ResultArray:
     entries: dict[tuple[int, ...], Scalar] = {(k,): item for k, item in enumerate(items)}
-    return Target(name, (len(items),), entries, tuple(meaning))
+    return ResultArray(name, (len(items),), entries, tuple(meaning))
 
 
-def _matrix(name: str, shape: tuple[int, int], entries: Entries) -> Target:
-    return Target(name, shape, {place: entries[place] for place in sorted(entries)})
+def _matrix(name: str, shape: tuple[int, int], entries: Entries) -> ResultArray:
+    return ResultArray(name, shape, {place: entries[place] for place in sorted(entries)})

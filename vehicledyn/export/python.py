@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from vehicledyn.export.document import (
-    Document,
+    ExportedSystem,
     head,
     indented,
     parameter_rows,
@@ -12,7 +12,7 @@ from vehicledyn.export.document import (
     text_of,
 )
 from vehicledyn.export.procedures import Procedure
-from vehicledyn.export.statements import Body
+from vehicledyn.export.statements import PrintedFunction
 from vehicledyn.export.tables import python_table
 
 _SOLVE = '''\
@@ -29,7 +29,7 @@ def solve_loops(t, x, z, p):
 '''
 
 
-def python_module(document: Document) -> str:
+def python_module(document: ExportedSystem) -> str:
     """Return the text of the module."""
     comment = document.language.comment
     features = document.features
@@ -55,7 +55,7 @@ def python_module(document: Document) -> str:
     return text_of(lines)
 
 
-def _parameters(document: Document) -> list[str]:
+def _parameters(document: ExportedSystem) -> list[str]:
     rows = [
         f"{name}: float = {_number(value)}  # {comment}"
         for name, value, comment in parameter_rows(document)
@@ -64,7 +64,7 @@ def _parameters(document: Document) -> list[str]:
     return ["", "@dataclass", "class Parameters:", *indented([text, "", *rows], 4), ""]
 
 
-def _function(document: Document, procedure: Procedure, body: Body) -> list[str]:
+def _function(document: ExportedSystem, procedure: Procedure, body: PrintedFunction) -> list[str]:
     arguments = ", ".join(argument.name for argument in procedure.arguments)
     language = document.language
     lines = [f'"""{procedure.summary}"""', *statement_lines(body, language, "{} = {}"), ""]

@@ -35,7 +35,7 @@ class Statement:
 
 
 @dataclass(frozen=True)
-class Body:
+class PrintedFunction:
     """What a printed function does: statements, then the elements of its results.
 
     ``results`` are (target, index, text); ``arguments`` the names that are used at all,
@@ -54,7 +54,7 @@ def write_body(
     language: Language,
     parameters: Sequence[str],
     tables: Sequence[NamedTable] = (),
-) -> Body:
+) -> PrintedFunction:
     """Return the statements of a procedure; ``parameters`` are identifiers."""
     curves = [named.table for named in tables]
     inputs = [argument.symbols for argument in procedure.arguments]
@@ -118,7 +118,7 @@ class _Writer:
     count: int = 0
     section: str = ""
 
-    def write(self) -> Body:
+    def write(self) -> PrintedFunction:
         program, n = self.program, len(self.labels)
         needed = _needed(program, n)
         uses = self._uses(needed)
@@ -134,7 +134,9 @@ class _Writer:
             operations += item.operation not in _FREE
             section = self.labels[open_label].section if open_label < n else "Result"
             self._place(value, item, names.get(value), uses[value], section)
-        return Body(self.statements, self._results(n), self.used, operations, self.features)
+        return PrintedFunction(
+            self.statements, self._results(n), self.used, operations, self.features
+        )
 
     def _uses(self, needed: set[int]) -> Counter[int]:
         uses: Counter[int] = Counter()

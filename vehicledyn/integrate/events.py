@@ -38,7 +38,7 @@ A ball that bounces at such intervals rises by 1e-12 m, little above what roundi
 _MOST_TRIALS = 200
 
 
-class Point(NamedTuple):
+class ConsistentPoint(NamedTuple):
     """A time with consistent state and unknowns."""
 
     time: float
@@ -46,7 +46,7 @@ class Point(NamedTuple):
     unknowns: Vector
 
 
-Trial = Callable[[float], Point]
+Trial = Callable[[float], ConsistentPoint]
 """Gives the point at a fraction of a stretch of the motion without events."""
 
 
@@ -60,7 +60,7 @@ class EventMonitor:
     def __init__(
         self,
         kernel: Kernel,
-        start: Point,
+        start: ConsistentPoint,
         ledger: Ledger,
         happened: Callable[[str, float], None],
     ) -> None:
@@ -102,7 +102,7 @@ class EventMonitor:
         """Whether there is anything to watch."""
         return bool(self._events)
 
-    def fires(self, point: Point) -> bool:
+    def fires(self, point: ConsistentPoint) -> bool:
         """Return whether an event fires up to a point; where none does, go on to it."""
         if point.time < self._blind_until:
             return False
@@ -112,7 +112,9 @@ class EventMonitor:
         note_sides(self.sides, values)
         return False
 
-    def cross(self, trial: Trial, begin: float, end: float, seconds: float) -> tuple[float, Point]:
+    def cross(
+        self, trial: Trial, begin: float, end: float, seconds: float
+    ) -> tuple[float, ConsistentPoint]:
         """Find the events that fire first and let them happen.
 
         Parameters
@@ -145,12 +147,12 @@ class EventMonitor:
                 self._happened(event.name, time)
                 self.ended_by = self.ended_by or event.name
 
-    def _values(self, point: Point) -> Vector:
+    def _values(self, point: ConsistentPoint) -> Vector:
         return self._kernel.event_values(*point)
 
     def _locate(
         self, trial: Trial, begin: float, end: float, seconds: float
-    ) -> tuple[float, Point, NDArray[np.bool_]]:
+    ) -> tuple[float, ConsistentPoint, NDArray[np.bool_]]:
         """Narrow the bracket by secants that give way to halves (Illinois method)."""
         low, high, point = begin, end, trial(end)
         below, above = self._values(trial(begin)), self._values(point)
@@ -176,14 +178,14 @@ class EventMonitor:
             halve, size = high - low > 0.5 * size, high - low
         return high, point, fires | self._follow_at_once(point)
 
-    def _follow_at_once(self, point: Point) -> NDArray[np.bool_]:
+    def _follow_at_once(self, point: ConsistentPoint) -> NDArray[np.bool_]:
         """Return which events fire within the resolution of a point: they are simultaneous."""
         if len(self._events) == 1:
             return np.zeros(1, dtype=bool)
         behind = self._later(point, _resolution(point.time))
         return fired(self._events, self.sides, self._values(behind))
 
-    def _happen(self, point: Point, fires: NDArray[np.bool_]) -> Point:
+    def _happen(self, point: ConsistentPoint, fires: NDArray[np.bool_]) -> ConsistentPoint:
         """Report the events that fire, in their order, and apply their resets."""
         before = point
         for k in np.flatnonzero(fires):
@@ -206,7 +208,7 @@ class EventMonitor:
             self._look_ahead(point, fires)
         return point
 
-    def _reset(self, point: Point, event: Event) -> Point:
+    def _reset(self, point: ConsistentPoint, event: Event) -> ConsistentPoint:
         if not event.resets and not event.guesses:
             return point
         values = self._kernel.reset_values(*point)
@@ -223,21 +225,23 @@ class EventMonitor:
         for index, row in event.guesses:
             guess[index] = values[row]
         unknowns = self._kernel.count_solve(point.time, state, guess, self._ledger)
-        return Point(point.time, state, unknowns)
+        return ConsistentPoint(point.time, state, unknowns)
 
-    def _look_ahead(self, point: Point, which: NDArray[np.bool_]) -> None:
+    def _look_ahead(self, point: ConsistentPoint, which: NDArray[np.bool_]) -> None:
         """Take the side of some functions from a point a little later, where they left zero."""
         if not which.any():
             return
         values = self._values(self._later(point, _LOOK_AHEAD * _resolution(point.time)))
         self.sides[which] = np.sign(values[which]).astype(np.intc)
 
-    def _later(self, point: Point, seconds: float) -> Point:
+    def _later(self, point: ConsistentPoint, seconds: float) -> ConsistentPoint:
         """Return a point so little later that the rates do not change until then."""
         time, unknowns = point.time + seconds, point.unknowns.copy()
         state = np.ascontiguousarray(point.state)
         state = state + seconds * self._kernel.evaluate(time, state, unknowns, self._ledger)
-        return Point(time, state, self._kernel.count_solve(time, state, unknowns, self._ledger))
+        return ConsistentPoint(
+            time, state, self._kernel.count_solve(time, state, unknowns, self._ledger)
+        )
 
     def _check_accumulation(self, index: int, time: float) -> None:
         if time - self._recent[index, 0] < 2.0 * _SHORT:

@@ -12,10 +12,10 @@ from vehicledyn.integrate.accuracy.monitored_run import MethodAndStep, Rerun
 from vehicledyn.integrate.accuracy.proposed_step import proposed_step
 from vehicledyn.integrate.accuracy.windows import StepGrid, WindowStart
 from vehicledyn.integrate.course import go_on_from, history_of
-from vehicledyn.integrate.events import Point
+from vehicledyn.integrate.events import ConsistentPoint
 from vehicledyn.integrate.judged_quantities import Judged
 from vehicledyn.integrate.task import SampleBuffer, Sink, Statistics, StepError, Task
-from vehicledyn.kernel.engine import Count, Figure, March, Method, Rows, Status, Vector
+from vehicledyn.kernel.engine import Count, Figure, March, Method, SampleRows, Status, Vector
 
 _CHUNK_SECONDS = 0.08
 _FIRST_CHUNK = 16
@@ -145,7 +145,7 @@ def watch_of(task: Task, grid: StepGrid, rerun: Rerun) -> AccuracyMonitor:
     return watch
 
 
-def _settle(task: Task, march: March, rows: Rows) -> None:
+def _settle(task: Task, march: March, rows: SampleRows) -> None:
     """Deliver the samples of a chunk, whole or cut short, and add up its account."""
     _account(task, march)
     samples = int(march.ledger.counts[Count.SAMPLES])
@@ -185,15 +185,15 @@ def _take_step_with_events(task: Task, march: March) -> None:
         task.deliver_point(point)
 
 
-def _trials(task: Task, march: March, begin: float) -> Callable[[float], Point]:
-    def trial(end: float) -> Point:
+def _trials(task: Task, march: March, begin: float) -> Callable[[float], ConsistentPoint]:
+    def trial(end: float) -> ConsistentPoint:
         part = replace(march)
         status = task.kernel.advance_part(part, (begin, end))
         if status is not Status.SOLVED:
             moment = march.time(march.step, begin)
             raise NumericalError(task.kernel.failure(status, moment, march.ledger))
         moment = march.time(march.step, end) if end < 1.0 else march.time(march.step + 1)
-        return Point(moment, part.state, part.unknowns)
+        return ConsistentPoint(moment, part.state, part.unknowns)
 
     return trial
 

@@ -40,7 +40,7 @@ class EnergyBalance(NamedTuple):
         return self.distance(EnergyBalance(0.0, self.exchanged))
 
 
-class Balance(Protocol):
+class EnergyWatch(Protocol):
     """Makes the balance of the energy from the same, None where there is none."""
 
     def __call__(
@@ -68,7 +68,7 @@ class Judged:
     channels: list[int]
     figures: Figures | None = None
     by_itself: bool = True
-    balance: Balance | None = None
+    balance: EnergyWatch | None = None
 
     @staticmethod
     def usual(equations: Equations) -> Judged:

@@ -11,8 +11,8 @@ import numpy as np
 
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.integrate.course import Beginning, MethodState, RunHistory
-from vehicledyn.integrate.events import EventMonitor, Point
-from vehicledyn.kernel.engine import Count, Figure, Ledger, Rows, Vector
+from vehicledyn.integrate.events import ConsistentPoint, EventMonitor
+from vehicledyn.kernel.engine import Count, Figure, Ledger, SampleRows, Vector
 from vehicledyn.kernel.kernel import Kernel
 from vehicledyn.kernel.make_kernel import Progress
 
@@ -116,7 +116,7 @@ class Task:
         """Watch the events from the start on."""
         if self.beginning is not None:
             self.delivered = round((self.beginning.time - self.start) / self.interval) + 1
-        start = Point(self.begin, self.state, self.unknowns)
+        start = ConsistentPoint(self.begin, self.state, self.unknowns)
         self.watch = EventMonitor(self.kernel, start, self.ledger, self.happened)
 
     @property
@@ -143,14 +143,14 @@ class Task:
         """Return the time of a sample [s], without rounding that adds up."""
         return self.start + self.interval * index
 
-    def rows(self, n_samples: int) -> Rows:
+    def rows(self, n_samples: int) -> SampleRows:
         """Return room for this many samples, or as many as fit into the memory set aside."""
         equations = self.kernel.equations
         widths = [len(equations.states), len(equations.unknowns), len(equations.channels)]
         n_rows = max(2, min(n_samples, _MOST_NUMBERS // max(1, sum(widths))))
-        return Rows(*[np.zeros((n_rows, width)) for width in widths])
+        return SampleRows(*[np.zeros((n_rows, width)) for width in widths])
 
-    def deliver(self, rows: Rows, n_samples: int) -> None:
+    def deliver(self, rows: SampleRows, n_samples: int) -> None:
         """Hand the first samples of the rows to the sink."""
         if n_samples:
             indices = range(self.delivered, self.delivered + n_samples)
@@ -161,7 +161,7 @@ class Task:
         part = (self.delivered - 1) / self.n_intervals if self.n_intervals else 1.0
         self.progress("simulating", part)
 
-    def deliver_point(self, point: Point) -> None:
+    def deliver_point(self, point: ConsistentPoint) -> None:
         """Hand one sample to the sink, at the end of an interval or where an event ends the run.
 
         Raises

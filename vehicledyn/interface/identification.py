@@ -17,7 +17,7 @@ from vehicledyn.interface.found_systems import only_model, write_found_system
 from vehicledyn.interface.running import Progress, reporter, result_place
 from vehicledyn.interface.targets import Source, read_scenario
 from vehicledyn.results.labelled.data import LabelledData
-from vehicledyn.studies.identification.experiments import Measured
+from vehicledyn.studies.identification.experiments import MeasuredChannel
 from vehicledyn.studies.identification.identify import IdentificationReport
 from vehicledyn.studies.identification.identify import identify as find
 from vehicledyn.studies.known_names import KnownNames
@@ -73,7 +73,7 @@ def identify(
             size = to_si(noise, unit)
         except InputError as error:
             raise InputError(f"{argument('measured')}: {channel}: noise: {error}") from None
-        items.append(Measured(channel, times, values, size))
+        items.append(MeasuredChannel(channel, times, values, size))
     if not items:
         raise InputError(f"{argument('measured')}: give one channel or more")
     return find(loaded, items, parameters, tell)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from vehicledyn.kernel.bundle import Bundle, Samples
 from vehicledyn.kernel.engine import Vector
 from vehicledyn.kernel.plans import BackSums, SlopeMap, passes
-from vehicledyn.kernel.tangent_code import Grid, TangentCode, steps_of
+from vehicledyn.kernel.tangent_code import StepRow, TangentCode, steps_of
 
 _MOST_BYTES = 64_000_000
 """Memory for steps that are kept, above which only some are."""
@@ -59,7 +59,7 @@ class BackCode:
         What depends on the parameters alone.
     """
 
-    def __init__(self, code: TangentCode, grid: Grid, constants: Vector) -> None:
+    def __init__(self, code: TangentCode, grid: StepRow, constants: Vector) -> None:
         self._code, self._grid, self._constants = code, grid, constants
         e, lanes = code.equations, code.lanes
         n_x = self._n_x = len(e.states)

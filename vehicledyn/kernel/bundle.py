@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.codegen.passes.linear_program import Program
+from vehicledyn.codegen.passes.linear_program import LinearProgram
 from vehicledyn.codegen.passes.stage_program import NO_STEPS, Solution
 from vehicledyn.kernel.engine import Sides, Status, Vector
 from vehicledyn.kernel.plans import Passes, SlopeMap, aligned
-from vehicledyn.kernel.tangent_code import Grid, MotionPoint, StepSpan, TangentCode, steps_of
+from vehicledyn.kernel.tangent_code import MotionPoint, StepRow, StepSpan, TangentCode, steps_of
 
 Array = NDArray[np.float64]
 
@@ -92,7 +92,7 @@ class Bundle:
     def _to_seen(self) -> _Map:
         return self._map(self._code.seen, self._code.to_seen, NO_STEPS)
 
-    def _map(self, program: Program, known: Passes, solution: Solution) -> _Map:
+    def _map(self, program: LinearProgram, known: Passes, solution: Solution) -> _Map:
         lanes, n_targets = self._code.lanes, len(program.targets)
         active = np.flatnonzero(self._constants.any(axis=0))
         moved = self._code.passes_by(program, self._constants[:, active])
@@ -129,7 +129,7 @@ class Bundle:
         self._x.reshape(n_x, groups * lanes)[:, : self.n_directions] = values
 
     def part(
-        self, grid: Grid, way: StepSpan, moment: MotionPoint, times: tuple[Vector, Vector]
+        self, grid: StepRow, way: StepSpan, moment: MotionPoint, times: tuple[Vector, Vector]
     ) -> None:
         """Take a part of a step, moving the state and unknowns of a moment and the tangents.
 
@@ -140,7 +140,7 @@ class Bundle:
         self._code.check(status, moment.time)
 
     def march(
-        self, grid: Grid, way: StepSpan, moment: MotionPoint, sides: Sides
+        self, grid: StepRow, way: StepSpan, moment: MotionPoint, sides: Sides
     ) -> tuple[Status, int, Samples]:
         """Take whole steps, moving the state and unknowns of a moment and the tangents.
 
@@ -160,7 +160,7 @@ class Bundle:
 
     def _steps(
         self,
-        grid: Grid,
+        grid: StepRow,
         way: StepSpan,
         moment: MotionPoint,
         sides: Sides | None,

@@ -11,7 +11,7 @@ import numpy as np
 
 from vehicledyn.codegen.ir.table_rows import TableRows
 from vehicledyn.codegen.passes.kernel_functions import COUNTED
-from vehicledyn.kernel.engine import Addresses, Ledger, March, Rows, Span, Status, Vector
+from vehicledyn.kernel.engine import Addresses, Ledger, March, SampleRows, Span, Status, Vector
 from vehicledyn.symbolic.equations import Equations
 
 _D, _I, _L, _P = ctypes.c_double, ctypes.c_int, ctypes.c_longlong, ctypes.c_void_p
@@ -109,7 +109,7 @@ class CompiledEngine:
         pointers += [ledger.counts.ctypes.data, ledger.figures.ctypes.data]
         return Status(self._library.vd_solve(time, *pointers))
 
-    def advance(self, march: March, n_steps: int, constants: Vector, rows: Rows) -> Status:
+    def advance(self, march: March, n_steps: int, constants: Vector, rows: SampleRows) -> Status:
         """Take steps and write a row for each whole interval."""
         moving = (march.state, march.unknowns, march.memory, march.sides)
         ledger = (march.ledger.counts, march.ledger.figures)

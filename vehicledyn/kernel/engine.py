@@ -127,7 +127,7 @@ class March:
 
 
 @dataclass(frozen=True)
-class Rows:
+class SampleRows:
     """Room for samples: states, unknowns and outputs, one row a sample."""
 
     states: Vector
@@ -166,7 +166,7 @@ class Engine(Protocol):
     ) -> Status:
         """Solve the blocks in order, changing the unknowns in place."""
 
-    def advance(self, march: March, n_steps: int, constants: Vector, rows: Rows) -> Status:
+    def advance(self, march: March, n_steps: int, constants: Vector, rows: SampleRows) -> Status:
         """Take steps and write a row for each whole interval; the counts are those of this call.
 
         A step in which an event fires is not taken: it ends the call with Status.EVENT.

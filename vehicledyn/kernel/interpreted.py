@@ -15,7 +15,7 @@ from vehicledyn.kernel.engine import (
     Ledger,
     March,
     Method,
-    Rows,
+    SampleRows,
     Span,
     Status,
     Vector,
@@ -153,7 +153,7 @@ class InterpretedEngine:
                 return status
         return Status.SOLVED
 
-    def advance(self, march: March, n_steps: int, constants: Vector, rows: Rows) -> Status:
+    def advance(self, march: March, n_steps: int, constants: Vector, rows: SampleRows) -> Status:
         """Take steps and write a row for each whole interval."""
         step_once = self._steps.get(march.method, self._step_chebyshev)
         watched = bool(self._equations.events)
@@ -196,7 +196,7 @@ class InterpretedEngine:
         note_sides(march.sides, values)
         return Status.SOLVED
 
-    def _sample(self, march: March, time: float, constants: Vector, rows: Rows) -> Status:
+    def _sample(self, march: March, time: float, constants: Vector, rows: SampleRows) -> Status:
         state, unknowns = march.state, march.unknowns
         counts, figures = march.ledger.counts, march.ledger.figures
         for k, block in enumerate(self._equations.blocks):

@@ -14,7 +14,7 @@ from vehicledyn.kernel.engine import (
     Figure,
     Ledger,
     March,
-    Rows,
+    SampleRows,
     Span,
     Status,
     Vector,
@@ -176,7 +176,7 @@ class Kernel:
         ledger.counts[Count.EVALUATIONS] += 1
         return self.engine.rates(time, state, unknowns, self._constants)
 
-    def advance(self, march: March, n_steps: int, rows: Rows) -> Status:
+    def advance(self, march: March, n_steps: int, rows: SampleRows) -> Status:
         """Take steps of a run and write its samples into the rows.
 
         It ends with Status.EVENT before a step in which an event fires.

@@ -18,7 +18,7 @@ _FIRST_ROOM, _MOST_ROOM = 4096, 65_536
 
 
 @dataclass(frozen=True)
-class Path:
+class StepTrace:
     """A motion through a row of durations, as the steps found it.
 
     ``nodes`` (n_steps + 1, n) are the states between the steps and ``rates`` those there, ``sizes``
@@ -85,7 +85,7 @@ class PathCode:
         scales: Vector,
         tolerance: float,
         trials: int,
-    ) -> Path | None:
+    ) -> StepTrace | None:
         """Return the path of a motion through durations [s], shape (n_durations,).
 
         Steps have errors of at most the tolerance times ``scales``; None where they become more
@@ -104,7 +104,7 @@ class PathCode:
             taken = int(steps.sum())
             if not left:
                 kept = nodes[: taken + 1].copy(), rates[: taken + 1].copy(), sizes[:taken].copy()
-                return Path(*kept, steps, tolerance)
+                return StepTrace(*kept, steps, tolerance)
             if taken < room or room >= min(trials, _MOST_ROOM):
                 return None
             self._room *= 4

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.kernel.engine import Vector
-from vehicledyn.kernel.path_code import Path
+from vehicledyn.kernel.path_code import StepTrace
 from vehicledyn.kernel.point_slopes import CarriedMotions, PointCode
 
 _PARTS, _FINER, _FINEST, _ROUNDS = 4, 1 / 40, 1e-13, 9
@@ -34,7 +34,7 @@ _MOST_KEPT = 64 * 1024**2
 
 _AT_POINTS = "points", "rates", "entries"
 
-Followed = Callable[[Vector, Vector, float], Path | None]
+Followed = Callable[[Vector, Vector, float], StepTrace | None]
 """The path from a state through durations [s] by steps of some error."""
 
 
@@ -61,7 +61,13 @@ class PathTangents:
     """
 
     def __init__(
-        self, code: PointCode, path: Path, parameters: Vector, *, scales: Vector, followed: Followed
+        self,
+        code: PointCode,
+        path: StepTrace,
+        parameters: Vector,
+        *,
+        scales: Vector,
+        followed: Followed,
     ) -> None:
         self._path, self._followed = path, followed
         self._steps = _Steps.of(_Code(code, parameters, scales), path)
@@ -134,7 +140,7 @@ class _Steps:
     n_points: int
 
     @staticmethod
-    def of(code: _Code, path: Path) -> _Steps:
+    def of(code: _Code, path: StepTrace) -> _Steps:
         """Return the steps of a path, with the Jacobians at its nodes."""
         count = len(path.sizes)
         if count >= code.most_points:

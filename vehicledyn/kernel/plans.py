@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.codegen.passes.linear_program import Program
+from vehicledyn.codegen.passes.linear_program import LinearProgram
 from vehicledyn.codegen.passes.stage_program import NO_STEPS, Solution
 
 Ints = NDArray[np.int32]
@@ -94,7 +94,7 @@ class Passes:
     n_before: int = 0
 
 
-def plan(call: Call, program: Program, bits: NDArray[np.uint8]) -> Plan:
+def plan(call: Call, program: LinearProgram, bits: NDArray[np.uint8]) -> Plan:
     """Return the plan from sources of a program that some directions move, as bits (n_sources,)."""
     given, sizes = _Given(program), (len(program.out), len(program.columns))
     every = np.zeros(program.n_columns, np.uint8)
@@ -111,7 +111,7 @@ def plan(call: Call, program: Program, bits: NDArray[np.uint8]) -> Plan:
 class _Given:
     """A program as C reads it."""
 
-    def __init__(self, program: Program) -> None:
+    def __init__(self, program: LinearProgram) -> None:
         p = program
         self._arrays = [
             np.ascontiguousarray(item, dtype=np.int32)
@@ -122,7 +122,7 @@ class _Given:
         self.address = ctypes.addressof(self._program)
 
 
-def passes(call: Call, program: Program, seeds: NDArray[np.float64]) -> Passes:
+def passes(call: Call, program: LinearProgram, seeds: NDArray[np.float64]) -> Passes:
     """Return the passes ahead for directions that move sources, seeds (n_sources, n_directions).
 
     Those that lead to about as many rows go together.
@@ -144,7 +144,9 @@ def passes(call: Call, program: Program, seeds: NDArray[np.float64]) -> Passes:
     return Passes(plans, own_seeds, np.concatenate(entries))
 
 
-def _groups(call: Call, program: Program, seeds: NDArray[np.float64]) -> list[NDArray[np.intp]]:
+def _groups(
+    call: Call, program: LinearProgram, seeds: NDArray[np.float64]
+) -> list[NDArray[np.intp]]:
     """Return the directions that go together, those that move nothing left out."""
     given, moved, counts = _Given(program), seeds != 0.0, []
     for first in range(0, seeds.shape[1], _AT_ONCE):
@@ -231,7 +233,7 @@ class BackSums:
     _kept: list[Any]
 
     @staticmethod
-    def of(call: Call, program: Program, seeded: Sequence[int], lanes: int) -> BackSums:
+    def of(call: Call, program: LinearProgram, seeded: Sequence[int], lanes: int) -> BackSums:
         """Return the plan from the sources of a transposed program that have seeds."""
         bits = np.zeros(max([0, *seeded]) + 1, np.uint8)
         bits[list(seeded)] = 1

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from vehicledyn.base.errors import MissingPartError, NumericalError
 from vehicledyn.codegen.ir.table_rows import TableRows
 from vehicledyn.codegen.passes.kernel_functions import derive_functions
-from vehicledyn.codegen.passes.linear_program import Program
+from vehicledyn.codegen.passes.linear_program import LinearProgram
 from vehicledyn.codegen.passes.stage_program import (
     PointProgram,
     StageProgram,
@@ -57,7 +57,7 @@ _BACK: dict[str, tuple[Any, Sequence[Any]]] = {
 
 
 @dataclass(frozen=True)
-class Grid:
+class StepRow:
     """Fixed steps: the method's number, the start [s], the interval [s] and the steps in it."""
 
     method: int
@@ -185,7 +185,7 @@ class TangentCode:
         return casadi.Function("constant_slopes", [p], [slopes])
 
     @cached_property
-    def seen(self) -> Program:
+    def seen(self) -> LinearProgram:
         """The program of unknowns and what is observed."""
         stage = self.stage
         return stage.program.with_values(stage.n_unknowns, self.observed.program, stage.n_weights)
@@ -204,7 +204,7 @@ class TangentCode:
         one = np.eye(1 + len(self.equations.states) + len(self.equations.unknowns))
         return passes(self.call, self.seen, one)
 
-    def passes_by(self, program: Program, constants: Array) -> Passes:
+    def passes_by(self, program: LinearProgram, constants: Array) -> Passes:
         """Return passes of a program for directions of the constants (n_constants, n_directions).
 
         The last ones are kept: a motion and its start ask for the same.
@@ -281,7 +281,7 @@ class Numbers:
         return ctypes.addressof(self._struct)
 
 
-def steps_of(grid: Grid, span: tuple[float, float] = (0.0, 1.0)) -> ctypes.Structure:
+def steps_of(grid: StepRow, span: tuple[float, float] = (0.0, 1.0)) -> ctypes.Structure:
     """Return what C knows of steps, or of a part of one."""
     return _Steps(grid.method, grid.per_interval, grid.start, grid.interval, *span)
 

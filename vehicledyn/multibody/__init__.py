@@ -50,7 +50,14 @@ if TYPE_CHECKING:
     )
     from vehicledyn.multibody.model.cuts import BallCut, BodyCut, RodCut
     from vehicledyn.multibody.model.ground import GROUND
-    from vehicledyn.multibody.model.parts import BasePart, Loads, Motion, Output, PartEvent, Wrench
+    from vehicledyn.multibody.model.parts import (
+        BasePart,
+        DrivenMotion,
+        Loads,
+        Output,
+        PartEvent,
+        Wrench,
+    )
     from vehicledyn.multibody.model.system import System
     from vehicledyn.symbolic.parameters import ParameterTable
 
@@ -67,12 +74,12 @@ __all__ = [
     "BodySensor",
     "ConstantRate",
     "ConstraintForceSensor",
+    "DrivenMotion",
     "Gears",
     "Joint",
     "LeadScrew",
     "LinearConstraint",
     "Loads",
-    "Motion",
     "Output",
     "ParameterTable",
     "PartEvent",
@@ -112,7 +119,7 @@ __getattr__ = lazy_exports(
         "vehicledyn.multibody.model.parts": (
             "BasePart",
             "Loads",
-            "Motion",
+            "DrivenMotion",
             "Output",
             "PartEvent",
             "Wrench",

@@ -47,7 +47,10 @@ class KnownNames:
         prepared, start = prepare_run(loaded, backend="auto", progress=progress)
         equations = prepared.equations
         starts = {
-            f"{START}{s.name}": (Quantity(f"{START}{s.name}", s.unit, s.description), float(value))
+            f"{START}{s.name}": (
+                Quantity(f"{START}{s.name}", s.unit, s.description),
+                float(value),
+            )
             for s, value in zip(equations.states, start.state, strict=True)
         }
         channels = {channel.name: channel.unit for channel in equations.channels}

@@ -13,7 +13,7 @@ import numpy as np
 
 from vehicledyn.analyses.hunting.parameter_starts import starting_at, starts_of
 from vehicledyn.analyses.preparation.build_model import build_subject, manoeuvre_of
-from vehicledyn.analyses.preparation.prepare import Point, Vector, prepare, start_point
+from vehicledyn.analyses.preparation.prepare import AssembledPoint, Vector, prepare, start_point
 from vehicledyn.analyses.preparation.prepared import Derived, Prepared, Progress
 from vehicledyn.analyses.preparation.rate_determinacy import rate_monitor_of
 from vehicledyn.analyses.preparation.runnable import Subject
@@ -54,7 +54,7 @@ class Case:
     """A case ready to run: parameters in SI in the order of the equations, start and subject."""
 
     parameters: Vector
-    start: Point
+    start: AssembledPoint
     subject: Subject
 
 

@@ -18,7 +18,7 @@ import numpy as np
 from vehicledyn.analyses.preparation.coarse_starts import refuse_coarse_start
 from vehicledyn.analyses.preparation.prepare import (
     BALANCE_TOLERANCE,
-    Point,
+    AssembledPoint,
     Start,
     equilibrium_point,
     nominal_point,
@@ -50,7 +50,7 @@ class Reference:
 
 def start_of(
     prepared: Prepared, speed: float, kind: Start | None, reference: Reference | None
-) -> Point:
+) -> AssembledPoint:
     """Return the point a case starts from, as :func:`start_point` would.
 
     Parameters
@@ -113,7 +113,7 @@ def _begin(subject: Subject, equations: Equations, speed: float) -> Vector:
     return subject.start_state(equations, speed) if speed > 0.0 else subject.still_state(equations)
 
 
-def _near(prepared: Prepared, speed: float, reference: Reference) -> Point | None:
+def _near(prepared: Prepared, speed: float, reference: Reference) -> AssembledPoint | None:
     """Return the equilibrium of a case near the reference; None if it is not found."""
     r, time = reference, prepared.subject.balance_time
     set_speed(prepared, speed)
@@ -146,7 +146,7 @@ def _near(prepared: Prepared, speed: float, reference: Reference) -> Point | Non
     if not best <= BALANCE_TOLERANCE:
         return None
     state[r.free] = place
-    return Point(state, kernel.solve_unknowns(time, state, unknowns), float(best))
+    return AssembledPoint(state, kernel.solve_unknowns(time, state, unknowns), float(best))
 
 
 def _rates(
@@ -159,7 +159,9 @@ def _rates(
     return kernel.rates(time, state, unknowns)[r.balanced], unknowns
 
 
-def _moving(prepared: Prepared, point: Point, speed: float, found: list[int] | None) -> Point:
+def _moving(
+    prepared: Prepared, point: AssembledPoint, speed: float, found: list[int] | None
+) -> AssembledPoint:
     """Return a point with the rates of its start, but for those found; None for all of them."""
     subject, e = prepared.subject, prepared.equations
     state = point.state.copy()
@@ -171,4 +173,4 @@ def _moving(prepared: Prepared, point: Point, speed: float, found: list[int] | N
         prepared.kernel, subject.given_rates, subject.balance_time, state, point.unknowns
     )
     refuse_coarse_start(e, state)
-    return Point(state, point.unknowns, point.residual)
+    return AssembledPoint(state, point.unknowns, point.residual)

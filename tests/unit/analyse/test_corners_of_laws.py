@@ -7,14 +7,14 @@ from test_motion_gradients import followed
 
 from vehicledyn.analyse.gradients.corner_functions import CornerFunctions
 from vehicledyn.kernel.engine import Method
-from vehicledyn.kernel.tangent_code import Grid
+from vehicledyn.kernel.tangent_code import StepRow
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Block, with_tables
 from vehicledyn.symbolic.tables import CurveTable
 
 pytestmark = pytest.mark.usefixtures("needs_compiler")
 
-STEPS = Grid(Method.RK4, 0.0, 0.01, 40)
+STEPS = StepRow(Method.RK4, 0.0, 0.01, 40)
 
 
 def pushed():

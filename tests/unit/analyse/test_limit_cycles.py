@@ -27,7 +27,7 @@ from vehicledyn.analyse.periodic.collocation import Scales, condense
 from vehicledyn.analyse.periodic.critical import find_balance, find_hopf, follow_balance
 from vehicledyn.analyse.periodic.cycle_points import Branch, Limits
 from vehicledyn.analyse.periodic.cycles_at import cycle_at
-from vehicledyn.analyse.periodic.orbit_steps import Steps
+from vehicledyn.analyse.periodic.orbit_steps import BranchSteps
 from vehicledyn.analyses.hunting.critical_values import lowest_stable
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.symbolic.equations import Event
@@ -308,7 +308,7 @@ def test_a_fold_that_is_not_located_is_told_with_the_cycles_beside_it(monkeypatc
     def lost(*_):
         raise NumericalError("not found")
 
-    monkeypatch.setattr(Steps, "between", lost)
+    monkeypatch.setattr(BranchSteps, "between", lost)
     _, branch = from_hopf(field(normal_form(1.0, -1.0), "mu"), -1.0, 1.0)
     (fold,), (remark,) = branch.special, branch.remarks
     assert fold.orbit.parameter == pytest.approx(-0.25, abs=1e-2)

@@ -15,7 +15,7 @@ from vehicledyn.analyse.gradients.motion import follow
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.kernel.engine import Method
 from vehicledyn.kernel.make_kernel import compile_kernel
-from vehicledyn.kernel.tangent_code import Grid, TangentCode
+from vehicledyn.kernel.tangent_code import StepRow, TangentCode
 from vehicledyn.multibody import derive
 from vehicledyn.symbolic.equations import Block
 
@@ -71,7 +71,7 @@ def complex_steps(function, point):
 
 def test_a_bouncing_ball_has_the_gradient_of_its_closed_form():
     """Position and speed behind three impacts, by gravity, restitution, start height and speed."""
-    found = followed(bouncing_ball(), Grid(Method.RK4, 0.0, 0.1, 7), 15, by_state=[0, 1])
+    found = followed(bouncing_ball(), StepRow(Method.RK4, 0.0, 0.1, 7), 15, by_state=[0, 1])
     assert [event.name for event in found.events] == ["impact"] * 2
     exact = complex_steps(lambda *p: np.array(ball_at(1.5, *p)), [9.81, 0.8, 1.0, 0.0])
     assert found.state_slopes == pytest.approx(exact, rel=1e-9, abs=1e-9)
@@ -83,7 +83,7 @@ def test_a_bouncing_ball_has_the_gradient_of_its_closed_form():
 
 def test_constraint_solutions_carry_tangents():
     """A slider-crank, whose rod angle and slider follow from a loop, against differences."""
-    equations, grid = slider_crank(), Grid(Method.RK4, 0.0, 0.1, 10)
+    equations, grid = slider_crank(), StepRow(Method.RK4, 0.0, 0.1, 10)
     values = np.array([p.value for p in equations.parameters])
     found = followed(equations, grid, 5)
 
@@ -116,7 +116,7 @@ def test_a_single_unknown_follows_each_parameter():
         residuals=[z - a * x - b],
         blocks=(Block("z", 0, 1, 1e-12),),
     )
-    found = followed(equations, Grid(Method.RK4, 0.0, 0.1, 50), 8)
+    found = followed(equations, StepRow(Method.RK4, 0.0, 0.1, 50), 8)
 
     def end(a, b, k):
         x = (0.7 + b / a) * np.cos(np.sqrt(k * a) * 0.8) - b / a
@@ -129,7 +129,7 @@ def test_a_single_unknown_follows_each_parameter():
 @pytest.mark.parametrize("count", [1, 6, 12, 17, 20, 27, 33])
 def test_many_directions_are_sums_of_few(count):
     """Any number of directions, in groups of eight: tangents are linear in them."""
-    equations, grid = slider_crank(), Grid(Method.RK4, 0.0, 0.1, 10)
+    equations, grid = slider_crank(), StepRow(Method.RK4, 0.0, 0.1, 10)
     few = followed(equations, grid, 3, by_state=[0, 1])
     kernel, code = compile_kernel(equations), TangentCode(equations, range(len(equations.channels)))
     n_p, n_x = len(equations.parameters), len(equations.states)
@@ -158,7 +158,7 @@ def moved(values, k, by):
 def test_adjoints_agree_with_tangents(kept, monkeypatch):
     """One figure by all parameters and start values; also where few steps are kept."""
     monkeypatch.setattr("vehicledyn.kernel.back_code._MOST_BYTES", kept)
-    equations, grid = slider_crank(), Grid(Method.RK4, 0.0, 0.1, 10)
+    equations, grid = slider_crank(), StepRow(Method.RK4, 0.0, 0.1, 10)
     ahead = followed(equations, grid, 5, by_state=[0, 1])
     kernel, channel = compile_kernel(equations), 1
     code = TangentCode(equations, [channel], back=True)
@@ -204,7 +204,7 @@ def four_bar():
 
 def test_tangents_by_way_of_residuals_are_those_through_the_solution():
     """With accelerations that fulfil an equation, or as functions of the states; also back."""
-    equations, grid = four_bar(), Grid(Method.RK4, 0.0, 0.02, 4)
+    equations, grid = four_bar(), StepRow(Method.RK4, 0.0, 0.02, 4)
     channel = next(k for k, c in enumerate(equations.channels) if c.name == "rocker.angle_rate")
     found = []
     for own in (equations, replace(equations, motion_residuals=None)):
@@ -232,7 +232,7 @@ def test_tangents_by_way_of_residuals_are_those_through_the_solution():
 def test_semi_implicit_euler_has_the_tangents_of_its_own_steps():
     """x'' = -w^2 x: the map of a step is linear, its powers are known."""
     equations = oscillator()
-    found = followed(equations, Grid(Method.SYMPLECTIC_EULER, 0.0, 0.1, 2), 3, by_state=[0, 1])
+    found = followed(equations, StepRow(Method.SYMPLECTIC_EULER, 0.0, 0.1, 2), 3, by_state=[0, 1])
     step, square = 0.05, 4.0
     matrix = np.array([[1.0 - step**2 * square, step], [-step * square, 1.0]])
     n_p = len(equations.parameters)
@@ -256,12 +256,14 @@ def test_a_grazing_event_has_no_gradient():
         equations, ("touch", place - depth - 1e-15, "falling", False, {0: place + 1.0})
     )
     with pytest.raises(NumericalError, match="grazes"):
-        followed(equations, Grid(Method.RK4, 0.0, 0.5, 1), 4)
+        followed(equations, StepRow(Method.RK4, 0.0, 0.5, 1), 4)
 
 
 def test_an_event_without_reset_moves_its_instant_only():
     """x = cos w t reaches zero at pi/(2 w); the motion goes on as if nothing had been."""
-    with_event = followed(crossing_oscillator(), Grid(Method.RK4, 0.0, 0.1, 10), 10, by_state=[0])
+    with_event = followed(
+        crossing_oscillator(), StepRow(Method.RK4, 0.0, 0.1, 10), 10, by_state=[0]
+    )
     assert with_event.events[0].time == pytest.approx(np.pi / 4, abs=1e-6)
     assert with_event.state_slopes[:, -1] == pytest.approx(
         [np.cos(2.0), -2.0 * np.sin(2.0)], abs=1e-5

@@ -8,7 +8,7 @@ from scipy.sparse import csc_matrix
 import vehicledyn.analyse.optimal_control.point_derivatives as point_derivatives
 import vehicledyn.catalogue  # noqa: F401 - registers models
 from vehicledyn.analyse.optimal_control.point_function import PointFunction
-from vehicledyn.analyse.optimal_control.transcription import PointModel, Program
+from vehicledyn.analyse.optimal_control.transcription import MotionProgram, PointModel
 from vehicledyn.studies.manoeuvre_optimisation.file import load_manoeuvre
 from vehicledyn.studies.manoeuvre_optimisation.guess import first_guess, state_scales
 from vehicledyn.studies.manoeuvre_optimisation.model import prepare_manoeuvre
@@ -45,7 +45,7 @@ def program(folder, text=STUDY):
     (folder / "study.yaml").write_text(text, encoding="utf-8")
     manoeuvre = prepare_manoeuvre(load_manoeuvre(folder / "study.yaml"), lambda *_: None)
     guess, _ = first_guess(manoeuvre)
-    made = Program(PointModel(manoeuvre.problem), guess.mesh, state_scales(guess))
+    made = MotionProgram(PointModel(manoeuvre.problem), guess.mesh, state_scales(guess))
     variables = made.layout.of(guess)
     return made, variables + 0.1 * np.random.default_rng(1).normal(size=variables.size)
 

@@ -12,7 +12,7 @@ from vehicledyn.analyse.gradients.curvature import CurvatureCode
 from vehicledyn.analyse.gradients.key_figures import figure_slope
 from vehicledyn.base.errors import InputError
 from vehicledyn.kernel.engine import Method
-from vehicledyn.kernel.tangent_code import Grid, TangentCode
+from vehicledyn.kernel.tangent_code import StepRow, TangentCode
 from vehicledyn.symbolic.equations import Event
 
 pytestmark = pytest.mark.usefixtures("needs_compiler")
@@ -52,7 +52,7 @@ def gradient(equations, grid, n_intervals, kind, point, channel=0):
 
 def test_second_derivatives_of_steps_in_closed_form():
     """A step of rk4 multiplies by R(h p) = 1 - z + z²/2 - z³/6 + z⁴/24, so the end is R⁶ x."""
-    equations, grid, h, n = fading(), Grid(Method.RK4, 0.0, 0.5, 2), 0.25, 6
+    equations, grid, h, n = fading(), StepRow(Method.RK4, 0.0, 0.5, 2), 0.25, 6
     p, x, z = 0.7, 2.0, 0.7 * 0.25
     r = 1 - z + z**2 / 2 - z**3 / 6 + z**4 / 24
     slope, bend = h * (-1 + z - z**2 / 2 + z**3 / 6), h * h * (1 - z + z**2 / 2)
@@ -75,7 +75,7 @@ def test_second_derivatives_of_steps_in_closed_form():
 @pytest.mark.parametrize("kind", ["rms", "mean_square", "mean", "integral", "max", "initial"])
 def test_second_derivatives_are_those_of_the_gradient(kind):
     """A slider-crank with its loop, every kind of figure, against Richardson's differences."""
-    equations, grid = slider_crank(), Grid(Method.RK4, 0.0, 0.1, 10)
+    equations, grid = slider_crank(), StepRow(Method.RK4, 0.0, 0.1, 10)
     p, x = (np.array([i.value for i in equations.parameters]), np.array([0.3, 5.0]))
     rng = np.random.default_rng(3)
     by_p, by_x = rng.normal(size=p.size), rng.normal(size=x.size)
@@ -101,7 +101,7 @@ def test_second_derivatives_are_those_of_the_gradient(kind):
 
 def test_adjoints_pass_by_events_that_do_not_happen():
     """Events that end a run, such as turning over, change nothing unless they happen."""
-    given = Grid(Method.RK4, 0.0, 0.5, 2), 3, "rms", (np.array([0.7]), np.array([2.0]))
+    given = StepRow(Method.RK4, 0.0, 0.5, 2), 3, "rms", (np.array([0.7]), np.array([2.0]))
     found = gradient(ending_below(0.01), *given)
     assert found == pytest.approx(gradient(fading(), *given), rel=1e-14)
     with pytest.raises(EventPassedError, match=r"'end' happens before t = 1 s"):

@@ -8,7 +8,7 @@ import pytest
 
 from vehicledyn.codegen.ir.instructions import read_function
 from vehicledyn.codegen.passes.lowering import lower
-from vehicledyn.codegen.passes.slp_rows import PLACES, Row
+from vehicledyn.codegen.passes.slp_rows import PLACES, PackedRow
 from vehicledyn.codegen.printers.c_printer import print_function
 from vehicledyn.codegen.printers.kernel_source import shared_source
 from vehicledyn.codegen.printers.row_printer import Copies
@@ -120,7 +120,7 @@ def test_compilers_told_to_do_without_registers(without, tmp_path, needs_compile
 
 def test_most_of_what_is_alike_becomes_rows():
     lowered = lower(read_function(function_of(four_corners)), in_rows=True)
-    rows = [step for step in lowered.steps if isinstance(step, Row)]
+    rows = [step for step in lowered.steps if isinstance(step, PackedRow)]
     alone = [step for step in lowered.steps if isinstance(step, int)]
     assert len(rows) >= 18
     assert len(alone) <= 14  # the sums of all places, what follows from them, and results

@@ -16,7 +16,7 @@ from vehicledyn.analyses import run_scenario
 from vehicledyn.analyses.models.exporting import export_target
 from vehicledyn.base.registry import find
 from vehicledyn.codegen.toolchain.compiler import CompilationError, find_compiler
-from vehicledyn.export.document import Start, start_of
+from vehicledyn.export.document import ExportedStart, start_of
 from vehicledyn.export.fmi_description import Experiment
 from vehicledyn.export.fmu import export_fmu
 from vehicledyn.files.scenario import load_scenario
@@ -280,7 +280,7 @@ def test_without_a_compiler_the_source_is_left(tmp_path, monkeypatch, caplog):
 def test_start_values_may_be_given(tmp_path):
     e = case("double_pendulum").equations
     plain = start_of(e)
-    start = Start(plain.parameters, (0.1, 0.2, 0.3, 0.4), plain.unknowns)
+    start = ExportedStart(plain.parameters, (0.1, 0.2, 0.3, 0.4), plain.unknowns)
     found = imported_motion(export_fmu(e, tmp_path / "model.fmu", start))
     assert [found[v.name][0] for v in e.states] == [0.1, 0.2, 0.3, 0.4]
 

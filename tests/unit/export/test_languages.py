@@ -14,7 +14,7 @@ from export_cases import CASES, case
 from vehicledyn.base.errors import MissingPartError
 from vehicledyn.codegen.printers.operations import MATLAB, PYTHON, C
 from vehicledyn.codegen.toolchain.compiler import CompilationError, find_compiler
-from vehicledyn.export.document import Start
+from vehicledyn.export.document import ExportedStart
 from vehicledyn.export.files import export_files, export_text
 from vehicledyn.export.identifiers import safe_names
 
@@ -215,7 +215,7 @@ def test_operation_counts_in_the_head_are_those_of_the_functions():
 
 def test_values_to_carry_along():
     c = case("four_bar")
-    start = Start(tuple(range(1, 8)), (0.25, -0.5), (0.125, 2.0))
+    start = ExportedStart(tuple(range(1, 8)), (0.25, -0.5), (0.125, 2.0))
     assert len(c.equations.parameters) == 7
     text = export_text(c.ingredients, "python", "model", start)[".py"]
     assert "crank_length: float = 1.0  # [m] crank.length: Length of the crank rod" in text

@@ -12,7 +12,7 @@ from solve_examples import Samples, build, oscillator, starts, symbols
 from vehicledyn.analyses.preparation.projection import projected
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.base.registry import find
-from vehicledyn.integrate.events import Point
+from vehicledyn.integrate.events import ConsistentPoint
 from vehicledyn.integrate.newmark.constrained_steps import ConstrainedSteps
 from vehicledyn.integrate.newmark.residual_functions import residual_functions
 from vehicledyn.integrate.newmark.weights import Weights
@@ -173,7 +173,7 @@ def march(kernel, weights, step, count, constraints="index3", state=None, sizes=
     span = {"start": 0.0, "stop": step * count, "interval": step}
     task = make_task(kernel, state=state, unknowns=unknowns, sink=Samples(), **span)
     steps = ConstrainedSteps(task, weights, constraints)
-    place = steps.start(Point(0.0, task.state, task.unknowns))
+    place = steps.start(ConsistentPoint(0.0, task.state, task.unknowns))
     for k in range(count):
         place = steps.step(place, place.point.time + sizes[12 * k // count % len(sizes)] * step)
         yield steps, place
@@ -265,7 +265,7 @@ def task_of(kernel, angle, rate):
 def test_channels_of_steps_are_those_of_the_equations_on_the_constraints(four_bar):
     task = task_of(four_bar, 1.2, 3.0)
     steps = ConstrainedSteps(task, Weights.hht(0.8), "index3")
-    place = steps.start(Point(0.0, task.state, task.unknowns))
+    place = steps.start(ConsistentPoint(0.0, task.state, task.unknowns))
     expected = four_bar.outputs(0.0, task.state, task.unknowns)
     assert steps.outputs(place) == pytest.approx(expected, rel=1e-10, abs=1e-10)
 
@@ -280,10 +280,10 @@ def test_order_two_in_positions_velocities_and_multipliers(four_bar, weights, co
     task = task_of(four_bar, *begin)
     steps = ConstrainedSteps(task, weights, constraints)
     exact = four_bar_state(four_bar.equations, *swing(*begin, stop))
-    exact = steps.start(Point(stop, exact, task.unknowns)).instant
+    exact = steps.start(ConsistentPoint(stop, exact, task.unknowns)).instant
     errors = []
     for count in (40, 80):
-        place = steps.start(Point(0.0, task.state, task.unknowns))
+        place = steps.start(ConsistentPoint(0.0, task.state, task.unknowns))
         for k in range(1, count + 1):
             place = steps.step(place, stop * k / count)
         fields = ("position", "velocity", "multiplier")
@@ -297,7 +297,9 @@ def test_stabilised_steps_keep_positions_and_velocities_on_the_constraints(four_
     steps = ConstrainedSteps(
         task_of(four_bar, 1.2, 3.0), Weights.generalised_alpha(0.8), "stabilised_index2"
     )
-    place = steps.start(Point(0.0, four_bar_state(four_bar.equations, 1.2, 3.0), np.zeros(0)))
+    place = steps.start(
+        ConsistentPoint(0.0, four_bar_state(four_bar.equations, 1.2, 3.0), np.zeros(0))
+    )
     for k in range(1, 51):
         place = steps.step(place, 0.01 * k)
     left = residual_functions(four_bar).residuals(place.instant, four_bar.parameters)
@@ -311,7 +313,7 @@ def test_undamped_newmark_keeps_the_energy_of_a_four_bar(four_bar, constraints):
     """It swings about its lowest place for 30 s; the energy stays in a band and does not drift."""
     task = task_of(four_bar, 0.5 * math.pi, 3.0)
     steps = ConstrainedSteps(task, Weights.newmark(0.25, 0.5), constraints)
-    place = steps.start(Point(0.0, task.state, task.unknowns))
+    place = steps.start(ConsistentPoint(0.0, task.state, task.unknowns))
     names = [s.name for s in four_bar.equations.states]
     columns = [names.index(f"upright_0.{n}") for n in ("angle", "angle_rate")]
     energies = []
@@ -425,7 +427,9 @@ def test_stabilised_steps_of_fast_motions_converge(four_bar):
     steps = ConstrainedSteps(
         task_of(four_bar, 1.2, 60.0), Weights.newmark(0.25, 0.5), "stabilised_index2"
     )
-    place = steps.start(Point(0.0, four_bar_state(four_bar.equations, 1.2, 60.0), np.zeros(0)))
+    place = steps.start(
+        ConsistentPoint(0.0, four_bar_state(four_bar.equations, 1.2, 60.0), np.zeros(0))
+    )
     for k in range(1, 101):
         place = steps.step(place, 0.008 * k)
         assert place is not None, k

@@ -8,8 +8,8 @@ from scipy.integrate._ivp import dop853_coefficients as published
 from vehicledyn.integrate.explicit_pairs import dop853_table as table
 from vehicledyn.integrate.explicit_pairs.dop853 import (
     Dop853,
-    Start,
-    Tolerances,
+    StepStart,
+    StepTolerances,
     first_size,
     next_size,
     try_step,
@@ -24,7 +24,7 @@ def rates(time, state):
 
 def start(time=0.2):
     state = np.array([0.4, -1.1, 0.0])
-    return Start(time, state, rates(time, state))
+    return StepStart(time, state, rates(time, state))
 
 
 def test_table_is_the_published_one():
@@ -39,7 +39,7 @@ def test_table_is_the_published_one():
 def test_steps_are_those_of_scipy(tolerance):
     begin, stop = start(), 6.0
     other = DOP853(rates, begin.time, begin.state, stop, rtol=tolerance, atol=tolerance)
-    tolerances = Tolerances(tolerance, tolerance)
+    tolerances = StepTolerances(tolerance, tolerance)
     size = first_size(rates, begin, stop - begin.time, tolerances)
     assert size == pytest.approx(other.h_abs, rel=ROUNDING)
     refused = False
@@ -65,7 +65,7 @@ def test_order():
     begin, errors = start(), []
     for size in (0.4, 0.2):
         stop = begin.time + size
-        trial = try_step(rates, begin, stop, Tolerances(1e-9, 1e-9))
+        trial = try_step(rates, begin, stop, StepTolerances(1e-9, 1e-9))
         exact = DOP853(rates, begin.time, begin.state, stop, rtol=1e-13, atol=1e-15)
         while exact.status == "running":
             exact.step()
@@ -76,14 +76,14 @@ def test_order():
 def test_rates_that_are_no_numbers_refuse_the_step():
     begin = start()
     trial = try_step(
-        lambda time, state: np.full(3, np.nan), begin, begin.time + 0.1, Tolerances(1e-9, 1e-9)
+        lambda time, state: np.full(3, np.nan), begin, begin.time + 0.1, StepTolerances(1e-9, 1e-9)
     )
     assert not trial.error < 1.0
     assert next_size(trial, refused=False) == pytest.approx(0.02)
 
 
 def test_run_is_that_of_scipy():
-    begin, stop, tolerances = start(), 6.0, Tolerances(1e-6, 1e-8)
+    begin, stop, tolerances = start(), 6.0, StepTolerances(1e-6, 1e-8)
     ours = Dop853(rates, begin.time, begin.state, stop, tolerances=tolerances)
     theirs = DOP853(rates, begin.time, begin.state, stop, rtol=1e-6, atol=1e-8)
     while theirs.status == "running":
@@ -103,7 +103,7 @@ def test_run_fails_where_there_are_no_rates():
         0.0,
         np.zeros(1),
         1.0,
-        tolerances=Tolerances(1e-6, 1e-6),
+        tolerances=StepTolerances(1e-6, 1e-6),
     )
     while solver.status == "running":
         solver.step()
@@ -113,7 +113,7 @@ def test_run_fails_where_there_are_no_rates():
 
 def test_scales_far_below_the_states_leave_a_step_to_take():
     """States 1e200 times as large as what is allowed give neither overflow nor division by 0."""
-    tolerances = Tolerances(1e-300, 1e-200)
+    tolerances = StepTolerances(1e-300, 1e-200)
     size = first_size(rates, start(), 5.0, tolerances)
     assert 0.0 < size <= 5.0
     trial = try_step(rates, start(), 0.2 + size, tolerances)

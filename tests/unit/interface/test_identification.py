@@ -7,7 +7,7 @@ import vehicledyn as vd
 from vehicledyn.analyse.identify import estimate
 from vehicledyn.base.errors import InputError
 from vehicledyn.interface.targets import read_scenario
-from vehicledyn.studies.identification.identify import Measured, identify
+from vehicledyn.studies.identification.identify import MeasuredChannel, identify
 
 
 def test_intervals_hold_the_truth_as_often_as_they_say():
@@ -52,7 +52,7 @@ def test_a_pendulum_tells_its_length_but_not_its_mass():
     clean = np.interp(times, motion.times, motion.values[:, names.index("upper.angle")])
     data = {"upper.angle": (times, clean + 0.01 * rng.normal(size=51), "0.01 rad")}
     report = vd.identify("double_pendulum", data, bounds, duration="1 s")
-    noisy = Measured("upper.angle", *data["upper.angle"][:2], 0.01)
+    noisy = MeasuredChannel("upper.angle", *data["upper.angle"][:2], 0.01)
     low, high = report.found.intervals[0]
     middle, reach = 0.5 * (low + high), 0.5 * (high - low)
     assert abs(middle - 1.1) < 2.0 * reach < 0.02
@@ -64,6 +64,6 @@ def test_a_pendulum_tells_its_length_but_not_its_mass():
     assert "cannot tell" in both.as_text()
     with pytest.raises(InputError, match="did you mean 'length'"):
         identify(loaded, [noisy], {"lenght": bounds["length"]}, lambda *_: None)
-    gap = Measured("upper.angle", times, np.full(51, np.nan), 0.01)
+    gap = MeasuredChannel("upper.angle", times, np.full(51, np.nan), 0.01)
     with pytest.raises(InputError, match="gaps"):
         identify(loaded, [gap], bounds, lambda *_: None)

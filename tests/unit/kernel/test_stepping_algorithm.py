@@ -13,7 +13,7 @@ from solve_examples import build, symbols
 
 from vehicledyn.integrate.batch import make_batch
 from vehicledyn.integrate.lane_run import FixedLaneRun
-from vehicledyn.kernel.engine import Count, March, Method, Rows, Status
+from vehicledyn.kernel.engine import Count, March, Method, SampleRows, Status
 from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.symbolic.equations import Block
 
@@ -70,7 +70,7 @@ def steps(kernel, method):
     """Return all that a run knows after each step, and its samples."""
     march, found, samples = begun(kernel, method), [], []
     while march.step < STEPS:
-        rows = Rows(np.zeros((2, 3)), np.zeros((2, 2)), np.zeros((2, 1)))
+        rows = SampleRows(np.zeros((2, 3)), np.zeros((2, 2)), np.zeros((2, 1)))
         assert kernel.advance(march, 1, rows) is Status.SOLVED
         found.append(everything(march))
         if march.ledger.counts[Count.SAMPLES]:
@@ -92,7 +92,7 @@ def test_a_part_of_a_step_is_the_same_to_the_bit(kernels, method):
     found = []
     for kernel in kernels.values():
         march = begun(kernel, METHODS[method])
-        rows = Rows(np.zeros((3, 3)), np.zeros((3, 2)), np.zeros((3, 1)))
+        rows = SampleRows(np.zeros((3, 3)), np.zeros((3, 2)), np.zeros((3, 1)))
         kernel.advance(march, 4, rows)
         for part in ((0.0, 0.3), (0.3, 0.8), (0.8, 1.0)):
             copy = replace(march)

@@ -15,9 +15,9 @@ from vehicledyn.multibody import (
     GROUND,
     BasePart,
     Body,
+    DrivenMotion,
     Joint,
     Loads,
-    Motion,
     ParameterTable,
     PartEvent,
     System,
@@ -112,7 +112,7 @@ class Lift(BasePart):
     """Drives a coordinate with sin t."""
 
     def motions(self, clock):
-        return {"lift": Motion(ops.sin(clock.time), ops.cos(clock.time))}
+        return {"lift": DrivenMotion(ops.sin(clock.time), ops.cos(clock.time))}
 
     def loads(self, situation):
         return Loads(accelerations={"lift": -ops.sin(situation.time)})

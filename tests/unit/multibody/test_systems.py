@@ -19,9 +19,9 @@ from vehicledyn.multibody import (
     BodyCut,
     BodySensor,
     ConstantRate,
+    DrivenMotion,
     Joint,
     Loads,
-    Motion,
     Output,
     ParameterTable,
     RodCut,
@@ -376,7 +376,7 @@ def test_a_channel_has_one_owner():
 
 
 def test_a_part_may_drive_with_its_own_law():
-    push = Push("push", Loads(accelerations={"z": 4.0}), (("z", Motion(1.0, 2.0)),))
+    push = Push("push", Loads(accelerations={"z": 4.0}), (("z", DrivenMotion(1.0, 2.0)),))
     found = values(derive(lift(push)))
     assert (found["z"], found["z_rate"], found["z_force"]) == pytest.approx((1.0, 2.0, 13.81))
 

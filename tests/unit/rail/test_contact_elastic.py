@@ -4,14 +4,19 @@ import numpy as np
 import pytest
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.rail.geometry.contact_geometry import Pose, Wheel, place_rail, touching_points
+from vehicledyn.rail.geometry.contact_geometry import (
+    MountedWheel,
+    Pose,
+    place_rail,
+    touching_points,
+)
 from vehicledyn.rail.geometry.elastic_geometry import patches, settled
 from vehicledyn.rail.geometry.hertz import effective_modulus, hertz
 from vehicledyn.rail.geometry.wheelset_geometry import WheelsetOnTrack, find_jumps, stand
 from vehicledyn.rail.profiles.named_profiles import circle, cone, named_profile
 
 STEEL = effective_modulus(210e9, 0.28, 210e9, 0.28)
-S1002 = Wheel(named_profile("S1002", "wheel"), 0.46, 0.75)
+S1002 = MountedWheel(named_profile("S1002", "wheel"), 0.46, 0.75)
 RAIL = place_rail(named_profile("60E1", "rail"), np.arctan(1 / 40), 1.435, 0.014)
 
 
@@ -21,7 +26,7 @@ def pose_of(standing, depth=0.0):
 
 @pytest.mark.parametrize("approach", [2e-5, 8e-5])
 def test_cylinder_on_a_round_rail_is_hertzian(approach):
-    wheel = Wheel(cone(0.0, "wheel"), 0.46, 0.75)
+    wheel = MountedWheel(cone(0.0, "wheel"), 0.46, 0.75)
     rail = place_rail(circle(0.3, "rail"), 0.0, 1.435, 0.014)
     (patch,) = patches(wheel, rail, Pose(0.004, 0.46 - approach, 0.0, 0.0), STEEL)
     expected = hertz(0.5 / 0.46, 0.5 / 0.3, STEEL)

@@ -5,8 +5,8 @@ import pytest
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.rail.geometry.contact_geometry import (
+    MountedWheel,
     Pose,
-    Wheel,
     place_rail,
     silhouette,
     touching_points,
@@ -22,7 +22,7 @@ from vehicledyn.rail.geometry.wheelset_geometry import (
 )
 from vehicledyn.rail.profiles.named_profiles import circle, cone, named_profile
 
-S1002 = Wheel(named_profile("S1002", "wheel"), 0.46, 0.75)
+S1002 = MountedWheel(named_profile("S1002", "wheel"), 0.46, 0.75)
 RAIL = place_rail(named_profile("60E1", "rail"), np.arctan(1 / 40), 1.435, 0.014)
 STANDARD = WheelsetOnTrack(S1002, S1002, RAIL, RAIL)
 
@@ -92,7 +92,7 @@ def test_cone_on_round_rails(slope):
 
     Left and right are solved as two tangency conditions with the roll as the third unknown.
     """
-    wheel = Wheel(cone(slope, "wheel"), 0.46, 0.75)
+    wheel = MountedWheel(cone(slope, "wheel"), 0.46, 0.75)
     rail = place_rail(circle(0.3, "rail"), 0.0, 1.435, 0.014)
     standing = stand(WheelsetOnTrack(wheel, wheel, rail, rail), 0.004)
     tilt = np.arctan(slope)
@@ -110,7 +110,7 @@ def test_conicity_of_a_cone_on_round_rails():
     l is half the distance of the contacts, r the rolling radius, angles small.
     """
     slope, shift = 0.02, 1e-4
-    wheel = Wheel(cone(slope, "wheel"), 0.46, 0.75)
+    wheel = MountedWheel(cone(slope, "wheel"), 0.46, 0.75)
     rail = place_rail(circle(0.3, "rail"), 0.0, 1.435, 0.014)
     wheelset = WheelsetOnTrack(wheel, wheel, rail, rail)
     middle, standing = stand(wheelset, 0.0), stand(wheelset, shift)
@@ -147,7 +147,7 @@ def test_jumps_are_found_between_distant_shifts():
     """From no shift to 2 mm the contact leaps and moves on as far again."""
     (jump,) = find_jumps(STANDARD, [stand(STANDARD, 0.0), stand(STANDARD, 0.002)])
     assert jump.lateral == pytest.approx(2.26e-4, abs=2e-6)
-    one = Wheel(cone(0.05, "wheel"), 0.46, 0.75)
+    one = MountedWheel(cone(0.05, "wheel"), 0.46, 0.75)
     plain = WheelsetOnTrack(one, one, RAIL, RAIL)
     assert find_jumps(plain, [stand(plain, -0.004), stand(plain, 0.004)]) == []
 

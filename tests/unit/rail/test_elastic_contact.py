@@ -6,8 +6,8 @@ import pytest
 
 from vehicledyn.rail.contact.elastic_contact import Axle, ElasticContact, _Outline, _with_middles
 from vehicledyn.rail.geometry.contact_geometry import (
+    MountedWheel,
     Pose,
-    Wheel,
     lowest_gap,
     place_rail,
     silhouette,
@@ -28,7 +28,7 @@ def axle_at(v, height, roll, yaw, curvature=0.0):
 
 def contact_of(profile, rail_profile="60E1", inclination=1 / 40):
     """Return a wheel, its rail and the function pose -> (force, place, approach, angle) rows."""
-    wheel = Wheel(named_profile(profile, "wheel"), RADIUS, 0.75)
+    wheel = MountedWheel(named_profile(profile, "wheel"), RADIUS, 0.75)
     rail = place_rail(named_profile(rail_profile, "rail"), inclination, 1.435, 0.014)
     contact = ElasticContact.of(wheel, rail)
     pose = casadi.SX.sym("pose", 4)
@@ -217,7 +217,7 @@ def test_forces_have_a_potential(yaw):
 
     Two contacts taken for one between them miss that by 36 %, and feed vibrations in curves.
     """
-    wheel = Wheel(named_profile("S1002", "wheel"), RADIUS, 0.75)
+    wheel = MountedWheel(named_profile("S1002", "wheel"), RADIUS, 0.75)
     rail = place_rail(named_profile("60E1", "rail"), 1 / 40, 1.435, 0.014)
     pose = casadi.SX.sym("pose", 3)
     v, height, turned = casadi.vertsplit(pose)

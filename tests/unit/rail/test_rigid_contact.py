@@ -16,7 +16,7 @@ from rigid_examples import (
 )
 
 from vehicledyn.multibody.recursion.numeric_kinematics import raw_skeleton
-from vehicledyn.rail.geometry.contact_geometry import Wheel, place_rail
+from vehicledyn.rail.geometry.contact_geometry import MountedWheel, place_rail
 from vehicledyn.rail.geometry.wheelset_geometry import WheelsetOnTrack, stand
 from vehicledyn.rail.profiles.named_profiles import named_profile
 from vehicledyn.rail.profiles.outline import ArcOutline, ConeOutline
@@ -31,7 +31,7 @@ SHAPES = {
 def round_wheelset(profile, *, inclination=1 / 40, curvature=0.0):
     """Return a wheelset of a profile on rails of one arc."""
     rail = place_rail(named_profile("arc:300 mm", "rail"), np.arctan(inclination), 1.435, 0.001)
-    wheel = Wheel(named_profile(profile, "wheel"), 0.46, rail.origin[0])
+    wheel = MountedWheel(named_profile(profile, "wheel"), 0.46, rail.origin[0])
     return WheelsetOnTrack(wheel, wheel, rail, rail, curvature)
 
 

@@ -13,7 +13,7 @@ from vehicledyn.multibody.loops.partition_monitor import PartitionMonitor, freed
 from vehicledyn.multibody.loops.position_level import Positions
 from vehicledyn.rail.contact.rigid_contact import RigidRailWheels
 from vehicledyn.rail.contact.rigid_profiles import rigid_wheels
-from vehicledyn.rail.geometry.contact_geometry import Wheel, place_rail
+from vehicledyn.rail.geometry.contact_geometry import MountedWheel, place_rail
 from vehicledyn.rail.geometry.wheelset_geometry import WheelsetOnTrack, find_jumps, stand
 from vehicledyn.rail.profiles.named_profiles import named_profile
 
@@ -24,7 +24,7 @@ pytestmark = pytest.mark.long
 def s1002():
     """S1002 on 60E1, 1:40: contact jumps at a quarter of a millimetre and at five."""
     rail = place_rail(named_profile("60E1", "rail"), np.arctan(1 / 40), 1.435, 0.014)
-    wheel = Wheel(named_profile("S1002", "wheel"), 0.46, 0.75)
+    wheel = MountedWheel(named_profile("S1002", "wheel"), 0.46, 0.75)
     return WheelsetOnTrack(wheel, wheel, rail, rail)
 
 

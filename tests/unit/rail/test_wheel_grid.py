@@ -5,12 +5,12 @@ import pytest
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.rail.contact.wheel_grid import COARSEST, FINEST, wheel_grid
-from vehicledyn.rail.geometry.contact_geometry import Wheel, place_rail
+from vehicledyn.rail.geometry.contact_geometry import MountedWheel, place_rail
 from vehicledyn.rail.profiles.named_profiles import named_profile
 
 
 def grid_of(profile, inclination=1 / 40, half_distance=0.75):
-    wheel = Wheel(named_profile(profile, "wheel"), 0.46, half_distance)
+    wheel = MountedWheel(named_profile(profile, "wheel"), 0.46, half_distance)
     return wheel_grid(wheel, place_rail(named_profile("60E1", "rail"), inclination, 1.435, 0.014))
 
 
@@ -39,7 +39,7 @@ def test_windows_end_where_contact_jumps_far(inclination, borders):
 @pytest.mark.parametrize(("attack", "windows"), [(0.0, 2), (0.012, 2), (0.045, 3)])
 def test_an_angle_of_attack_makes_contact_jump_elsewhere(attack, windows):
     """From 0.015 rad on S1002 jumps from the gauge corner to the flank as well."""
-    wheel = Wheel(named_profile("S1002", "wheel"), 0.46, 0.75)
+    wheel = MountedWheel(named_profile("S1002", "wheel"), 0.46, 0.75)
     rail = place_rail(named_profile("60E1", "rail"), 1 / 40, 1.435, 0.014)
     assert wheel_grid(wheel, rail, attack).shares.shape[0] == windows
 

@@ -10,7 +10,7 @@ from crg_files import crg
 
 from vehicledyn.cli import main
 from vehicledyn.cli.commands.files import read_file
-from vehicledyn.road.manoeuvres.channel_recorder import Rows
+from vehicledyn.road.manoeuvres.channel_recorder import ChannelRows
 from vehicledyn.road.manoeuvres.road_data import RoadDataMonitor
 from vehicledyn.road.surfaces.enveloped import Enveloped
 from vehicledyn.road.surfaces.flat import Flat
@@ -38,7 +38,9 @@ def test_the_first_wheel_that_leaves_the_grid(tmp_path):
     }
     assert set(watch.channels) == set(channels)
     for part in (slice(0, 4), slice(4, 11)):
-        watch.take(Rows(TIME[part], {name: values[part] for name, values in channels.items()}))
+        watch.take(
+            ChannelRows(TIME[part], {name: values[part] for name, values in channels.items()})
+        )
     (entry,) = watch.entries()
     # The centres of the cells are the nodes: the grid spans x and y from 0 to 4 m.
     assert (entry.name, entry.value, entry.unit) == ("road_data_left_at", 0.0, "s")
@@ -70,7 +72,9 @@ def test_a_wheel_on_missing_heights_is_named_with_time_and_place(tmp_path):
         for axis in "xy"
     }
     for part in (slice(0, 4), slice(4, 11)):
-        watch.take(Rows(TIME[part], {name: values[part] for name, values in channels.items()}))
+        watch.take(
+            ChannelRows(TIME[part], {name: values[part] for name, values in channels.items()})
+        )
     (entry,) = watch.entries()
     assert (entry.name, entry.value, entry.unit) == ("road_data_missing_at", TIME[5], "s")
     assert entry.description.endswith("filled: u = 10 m, v = 0.6 m")

@@ -9,7 +9,7 @@ import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.analyses.preparation.build_model import build_vehicle
 from vehicledyn.base.errors import InputError
 from vehicledyn.files.scenario import load_scenario
-from vehicledyn.road.manoeuvres.channel_recorder import Rows
+from vehicledyn.road.manoeuvres.channel_recorder import ChannelRows
 from vehicledyn.road.manoeuvres.tyre_ranges import RangeMonitor
 from vehicledyn.road.wheel.road_wheel import RoadWheel
 
@@ -49,8 +49,8 @@ def test_ranges_that_a_run_leaves_are_reported(tmp_path):
     channels = dict.fromkeys(watch.channels, 0.0 * time)
     channels["wheel_fl.tyre.slip_angle"] = np.where(time > 0.45, -2.0 * time, 0.0)
     channels["wheel_rr.tyre.normal_force"] = 20e3 * time
-    watch.take(Rows(time, channels))
-    watch.take(Rows(time + 1.0, dict.fromkeys(watch.channels, 0.0 * time)))
+    watch.take(ChannelRows(time, channels))
+    watch.take(ChannelRows(time + 1.0, dict.fromkeys(watch.channels, 0.0 * time)))
     entries = {entry.name: entry for entry in watch.entries()}
     assert set(entries) == {"wheel_fl_slip_angle_outside_range", "wheel_rr_load_outside_range"}
     angle = entries["wheel_fl_slip_angle_outside_range"]

@@ -3,9 +3,9 @@
 import pytest
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.studies.identification.measured_data import Signal, read_signals
+from vehicledyn.studies.identification.measured_data import MeasuredSignal, read_signals
 
-HEIGHT = Signal("body.height", "height", "m", None, 1e-3, 0.0)
+HEIGHT = MeasuredSignal("body.height", "height", "m", None, 1e-3, 0.0)
 
 
 def test_columns_that_nobody_asks_for_are_passed_over(tmp_path):

@@ -62,6 +62,7 @@ def test_json_of_a_sweep(study):
     [
         (["--lanes", "3"], "--lanes 3: choose 1, 4 or 8"),
         (["--workers", "0"], "Invalid value for '--workers'"),
+        (["--backend", "x"], "Invalid value for '--backend': 'x' is not one of 'auto'"),
         (["--workers", "2", "--scheduler", "tls://x:1"], "--scheduler has workers of its own"),
         (["--scheduler", "tls://x:1"], "--scheduler and --tls belong together"),
         (["--tls", "."], "--scheduler and --tls belong together"),

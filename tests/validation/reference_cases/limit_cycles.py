@@ -151,11 +151,11 @@ def _unlike(model, found):
     """Return by how much the largest multipliers by half of a motion differ from its own."""
     from vehicledyn.analyse.periodic.cycle_points import Limits
     from vehicledyn.analyse.periodic.floquet import multipliers_of
-    from vehicledyn.analyse.periodic.orbit_steps import Steps
+    from vehicledyn.analyse.periodic.orbit_steps import BranchSteps
 
     value = found.orbit.parameter
     limits = Limits(value - STEP, value + STEP, STEP)
-    point = Steps(model, limits, found.orbit.intervals).first_at(found.orbit, 1.0)
+    point = BranchSteps(model, limits, found.orbit.intervals).first_at(found.orbit, 1.0)
     if point.passages.mirror is None:
         return np.inf
     pairs = multipliers_of(found.passages).others[:3], point.multipliers.others[:3]

@@ -8,7 +8,7 @@ import numpy as np
 
 from reference_cases.comparison import Group, deviation
 from reference_cases.tables import read_columns, read_rows
-from vehicledyn.rail.geometry.contact_geometry import Wheel, place_rail
+from vehicledyn.rail.geometry.contact_geometry import MountedWheel, place_rail
 from vehicledyn.rail.geometry.wheelset_geometry import WheelsetOnTrack, find_jumps, stand
 from vehicledyn.rail.profiles.named_profiles import named_profile
 
@@ -20,7 +20,7 @@ LEAP = 2.5  # mm, between rows of the table
 @lru_cache(maxsize=1)
 def wheelset():
     """The wheelset of the table on its track."""
-    wheel = Wheel(named_profile("S1002", "wheel"), 0.46, 0.75)
+    wheel = MountedWheel(named_profile("S1002", "wheel"), 0.46, 0.75)
     rail = place_rail(named_profile("60E1", "rail"), np.arctan(1 / 40), 1.435, 0.014)
     return WheelsetOnTrack(wheel, wheel, rail, rail)
 

@@ -16,8 +16,8 @@ from vehicledyn.rail.contact.elastic_contact import Axle, ElasticContact
 from vehicledyn.rail.contact.rail_contact import RailWheels
 from vehicledyn.rail.contact.wheel_on_rail import ElasticWheels
 from vehicledyn.rail.geometry.contact_geometry import (
+    MountedWheel,
     Pose,
-    Wheel,
     place_rail,
     silhouette,
     wheel_above,
@@ -145,7 +145,7 @@ def relative_errors(quantity, *, jumps=False):
 
 def cylinder_error():
     """Return the largest relative error of the force of a cylinder on a round rail."""
-    wheel = Wheel(named_profile("cone:0", "wheel"), RADIUS, HALF)
+    wheel = MountedWheel(named_profile("cone:0", "wheel"), RADIUS, HALF)
     rail = place_rail(named_profile("arc:300 mm", "rail"), 0.0, GAUGE, DEPTH)
     expected = hertz(0.5 / RADIUS, 0.5 / 0.3, STEEL)
     force = _forces(ElasticContact.of(wheel, rail))
@@ -162,7 +162,7 @@ def second_formulation():
     S1002 on 60E1 1:40 under 50 kN, lateral shifts from -6 to 9 mm, roll and yaw, where both find
     one contact.
     """
-    wheel = Wheel(named_profile("S1002", "wheel"), RADIUS, HALF)
+    wheel = MountedWheel(named_profile("S1002", "wheel"), RADIUS, HALF)
     rail = place_rail(named_profile("60E1", "rail"), np.arctan(1 / 40), GAUGE, DEPTH)
     contacts = _contacts(ElasticContact.of(wheel, rail))
     places, approaches = [], []
@@ -184,7 +184,7 @@ def two_contacts():
     S1002 on 60E1 1:40 where the contact passes from the tread to the gauge corner, under 20 to
     90 kN, all poses at which boundary elements find two contacts.
     """
-    wheel = Wheel(named_profile("S1002", "wheel"), RADIUS, HALF)
+    wheel = MountedWheel(named_profile("S1002", "wheel"), RADIUS, HALF)
     rail = place_rail(named_profile("60E1", "rail"), np.arctan(1 / 40), GAUGE, DEPTH)
     contacts = _contacts(ElasticContact.of(wheel, rail))
     found = []
@@ -205,7 +205,7 @@ def whole_contact():
 
     S1002 on 60E1 1:40 from the middle to the flange under 50 kN, whatever the number of contacts.
     """
-    wheel = Wheel(named_profile("S1002", "wheel"), RADIUS, HALF)
+    wheel = MountedWheel(named_profile("S1002", "wheel"), RADIUS, HALF)
     rail = place_rail(named_profile("60E1", "rail"), np.arctan(1 / 40), GAUGE, DEPTH)
     contacts = _contacts(ElasticContact.of(wheel, rail))
     found = []

@@ -12,7 +12,7 @@ from vehicledyn.analyse.gradients.key_figures import FigureSlope
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.kernel.back_code import BackCode
 from vehicledyn.kernel.engine import Method, Vector
-from vehicledyn.kernel.tangent_code import Grid, TangentCode
+from vehicledyn.kernel.tangent_code import StepRow, TangentCode
 from vehicledyn.symbolic.equations import Equations
 
 Floats = NDArray[np.float64]
@@ -46,7 +46,7 @@ def goes_back(equations: Equations) -> bool:
 def figure_adjoint(
     code: TangentCode,
     parameters: Vector,
-    grid: Grid,
+    grid: StepRow,
     *,
     n_intervals: int,
     start: tuple[Vector, Vector],

@@ -19,11 +19,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyse.gradients.corner_functions import CornerFunctions
-from vehicledyn.integrate.events import Point
+from vehicledyn.integrate.events import ConsistentPoint
 from vehicledyn.kernel.bundle import Bundle
-from vehicledyn.kernel.engine import March, Method, Rows, Vector
+from vehicledyn.kernel.engine import March, Method, SampleRows, Vector
 from vehicledyn.kernel.kernel import Kernel
-from vehicledyn.kernel.tangent_code import Grid, MotionPoint, StepSpan, TangentCode
+from vehicledyn.kernel.tangent_code import MotionPoint, StepRow, StepSpan, TangentCode
 
 Matrix = NDArray[np.float64]
 
@@ -49,7 +49,7 @@ _JUMP = 1e-6
 """Part of the rates by which they jump, if they do."""
 _RESOLUTION, _MOST_TRIALS = 1e-12, 100
 
-Trial = Callable[[float], Point]
+Trial = Callable[[float], ConsistentPoint]
 
 
 @dataclass(frozen=True)
@@ -62,10 +62,10 @@ class StepParts:
 
     trials: Callable[[float], Trial]
     part: Callable[[tuple[float, float]], None]
-    enter: Callable[[Point], None]
+    enter: Callable[[ConsistentPoint], None]
 
 
-def has_corners(kernel: Kernel, grid: Grid) -> bool:
+def has_corners(kernel: Kernel, grid: StepRow) -> bool:
     """Return whether steps of a model are divided where they pass corners of its laws."""
     return grid.method == Method.RK4 and _functions(kernel).count > 0
 
@@ -158,11 +158,11 @@ class CornerSteps:
             e, method = self._kernel.equations, march.method
             ahead = March(method, time, step, 1, *begin, sides=march.sides.copy())
             sizes = len(e.states), len(e.unknowns), len(e.channels)
-            room = Rows(*[np.empty((count + 1, size)) for size in sizes])
+            room = SampleRows(*[np.empty((count + 1, size)) for size in sizes])
             self._kernel.advance(ahead, count, room)
             rows = room.states[: ahead.step], room.unknowns[: ahead.step]
         else:
-            grid, way = Grid(march.method, time, step, 1), StepSpan(0, count)
+            grid, way = StepRow(march.method, time, step, 1), StepSpan(0, count)
             moment = MotionPoint(time, begin[0].copy(), begin[1].copy(), self._constants)
             rows = self._plain.march(grid, way, moment, march.sides.copy())[2][1:3]
         return (
@@ -195,20 +195,22 @@ class CornerSteps:
         marks = np.where(is_table, np.floor(values) + 1.0, np.sign(values))
         return np.nan_to_num(marks)
 
-    def _values(self, point: Point) -> Vector:
+    def _values(self, point: ConsistentPoint) -> Vector:
         return self._functions.at(*point, self._parameters)
 
-    def whole(self, march: March) -> Point | None:
+    def whole(self, march: March) -> ConsistentPoint | None:
         """Return where the step that is due ends as a whole, None if it cannot be taken."""
         moment = MotionPoint(
             march.time(march.step), march.state.copy(), march.unknowns.copy(), self._constants
         )
-        grid = Grid(march.method, march.start, march.interval, march.per_interval)
+        grid = StepRow(march.method, march.start, march.interval, march.per_interval)
         taken = self._plain.march(grid, StepSpan(march.step, 1), moment, march.sides.copy())[1]
-        end = Point(march.time(march.step + 1), moment.state, moment.unknowns)
+        end = ConsistentPoint(march.time(march.step + 1), moment.state, moment.unknowns)
         return end if taken else None
 
-    def divided(self, step: int, parts: StepParts, ends: tuple[Point, Point]) -> Point | None:
+    def divided(
+        self, step: int, parts: StepParts, ends: tuple[ConsistentPoint, ConsistentPoint]
+    ) -> ConsistentPoint | None:
         """Take the tangents through a step, divided at its corners, and return its end.
 
         None if no corner is felt, or the motion does not pass it; what is carried is then of no
@@ -247,14 +249,14 @@ class CornerSteps:
             marks = np.where(changed, later, marks)
         return None
 
-    def _last(self, parts: StepParts, fraction: float, here: Point) -> Point:
+    def _last(self, parts: StepParts, fraction: float, here: ConsistentPoint) -> ConsistentPoint:
         if fraction >= 1.0:
             return here
         end = parts.trials(fraction)(1.0)
         parts.part((fraction, 1.0))
         return end
 
-    def missed(self, divided: Point, whole: Point) -> float:
+    def missed(self, divided: ConsistentPoint, whole: ConsistentPoint) -> float:
         """Return by what part of a state's size a whole step misses the divided one."""
         return float(np.max(np.abs(divided.state - whole.state) / self._sizes))
 
@@ -322,7 +324,7 @@ class CornerSteps:
             parts.part((begin, end))
             parts.enter(point)
 
-    def _over(self, parts: StepParts, near: float, behind: float) -> Point | None:
+    def _over(self, parts: StepParts, near: float, behind: float) -> ConsistentPoint | None:
         """Take the tangents over a corner; return the point behind it, None if they have none."""
         trial = parts.trials(near)
         before, after = trial(near), trial(behind)
@@ -339,7 +341,9 @@ class CornerSteps:
         self._pass(parts, near, behind)
         return after
 
-    def _moved(self, points: tuple[Point, Point], rates: list[Vector]) -> Vector | None:
+    def _moved(
+        self, points: tuple[ConsistentPoint, ConsistentPoint], rates: list[Vector]
+    ) -> Vector | None:
         """Return how the instant of a jump moves (n_directions,) [s]; None if it is not passed."""
         marks = [self._marks(self._values(point)) for point in points]
         which = np.flatnonzero((marks[0] != marks[1]) & self._felt)
@@ -359,7 +363,7 @@ class CornerSteps:
             return None
         return np.asarray(-slope / passing[0])
 
-    def _unknown_rates(self, point: Point, rates: Vector) -> Vector:
+    def _unknown_rates(self, point: ConsistentPoint, rates: Vector) -> Vector:
         """Return the rates of the unknowns."""
         along = Bundle(self._code, np.zeros((self._code.n_constants, 1)))
         along.state = rates[:, None]

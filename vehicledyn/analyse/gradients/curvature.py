@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from vehicledyn.analyse.gradients.adjoint import figure_adjoint
 from vehicledyn.analyse.gradients.key_figures import FigureSlope, figure_slope, moved_slope
 from vehicledyn.kernel.engine import Vector
-from vehicledyn.kernel.tangent_code import Grid, TangentCode
+from vehicledyn.kernel.tangent_code import StepRow, TangentCode
 from vehicledyn.symbolic.equations import Equations
 from vehicledyn.symbolic.tangent_equations import with_tangents
 
@@ -55,7 +55,7 @@ class CurvatureCode:
     def along(
         self,
         parameters: tuple[Vector, Vector],
-        grid: Grid,
+        grid: StepRow,
         *,
         n_intervals: int,
         start: tuple[Vector, Vector, Vector],

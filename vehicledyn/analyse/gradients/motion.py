@@ -24,7 +24,7 @@ from vehicledyn.analyse.gradients.motion_stretches import PartitionPiece
 from vehicledyn.base.step_memory import Memory
 from vehicledyn.kernel.engine import Vector
 from vehicledyn.kernel.kernel import Kernel
-from vehicledyn.kernel.tangent_code import Grid, TangentCode
+from vehicledyn.kernel.tangent_code import StepRow, TangentCode
 
 Matrix = NDArray[np.float64]
 
@@ -35,7 +35,7 @@ Watched = Callable[[Vector, Matrix, Matrix], object]
 def follow(
     code: TangentCode,
     kernel: Kernel,
-    grid: Grid,
+    grid: StepRow,
     *,
     n_intervals: int,
     start: tuple[Vector, Vector],

@@ -13,10 +13,10 @@ from vehicledyn.analyse.gradients.corner_steps import CornerSteps, StepParts
 from vehicledyn.analyse.gradients.motion_slopes import CornerPassed, EventSlope, Recorder
 from vehicledyn.analyse.gradients.motion_stretches import PartitionPiece, Stretch, Where
 from vehicledyn.base.errors import NumericalError
-from vehicledyn.integrate.events import EventMonitor, Point
+from vehicledyn.integrate.events import ConsistentPoint, EventMonitor
 from vehicledyn.kernel.bundle import Bundle, BundleResult
-from vehicledyn.kernel.engine import Ledger, March, Method, Rows, Status, Vector
-from vehicledyn.kernel.tangent_code import Grid, MotionPoint, StepSpan
+from vehicledyn.kernel.engine import Ledger, March, Method, SampleRows, Status, Vector
+from vehicledyn.kernel.tangent_code import MotionPoint, StepRow, StepSpan
 
 Matrix = NDArray[np.float64]
 
@@ -40,7 +40,7 @@ class TangentCourse:
     def __init__(
         self,
         piece: PartitionPiece,
-        grid: Grid,
+        grid: StepRow,
         start: tuple[Vector, Vector],
         directions: tuple[Matrix, Matrix],
         n_channels: int,
@@ -75,7 +75,7 @@ class TangentCourse:
         state, guess = start
         time = grid.start + grid.interval * step / grid.per_interval
         unknowns = self.code.solved(time, state, guess, self.constants)
-        point = Point(time, state, unknowns)
+        point = ConsistentPoint(time, state, unknowns)
         self.watch = EventMonitor(self.kernel, point, Ledger(), self._happened)
         sides = self.watch.sides
         self.march = March(
@@ -162,7 +162,7 @@ class TangentCourse:
 
     def _change(self, piece: PartitionPiece) -> None:
         """Go on with other dependent coordinates: the same motion, with other states."""
-        point = Point(self.time, self.march.state, self.march.unknowns)
+        point = ConsistentPoint(self.time, self.march.state, self.march.unknowns)
         found, e = self._found(point, None), self.kernel.equations
         values, slopes = found.values[0], found.value_slopes[0]
         channels = [e.channels[k].name for k in self.code.channels]
@@ -189,17 +189,17 @@ class TangentCourse:
 
     def sample(self, moved: Vector | None = None) -> None:
         """Record the channels at the point reached; ``moved`` are the tangents of its time."""
-        point = Point(self.time, self.march.state, self.march.unknowns)
+        point = ConsistentPoint(self.time, self.march.state, self.march.unknowns)
         self.record.looks.append(
             (np.array([point.time]), point.state[None].copy(), point.unknowns[None].copy())
         )
         self._record(point, moved)
 
-    def _record(self, point: Point, moved: Vector | None) -> None:
+    def _record(self, point: ConsistentPoint, moved: Vector | None) -> None:
         found = self._found(point, moved)
         self.record.take(np.array([point.time]), found.values, found.value_slopes)
 
-    def _found(self, point: Point, moved: Vector | None) -> BundleResult:
+    def _found(self, point: ConsistentPoint, moved: Vector | None) -> BundleResult:
         return self.bundle.here(MotionPoint(*point, self.constants), moved)
 
     def intervals(self, count: int) -> None:
@@ -252,10 +252,10 @@ class TangentCourse:
             self.sample()
         return True
 
-    def _here(self) -> Point:
-        return Point(self.time, self.march.state.copy(), self.march.unknowns.copy())
+    def _here(self) -> ConsistentPoint:
+        return ConsistentPoint(self.time, self.march.state.copy(), self.march.unknowns.copy())
 
-    def _enter(self, point: Point) -> None:
+    def _enter(self, point: ConsistentPoint) -> None:
         self.march.state[:], self.march.unknowns[:] = point.state, point.unknowns
 
     def _refuse(self, status: Status, way: StepSpan, before: tuple[Vector, Vector]) -> NoReturn:
@@ -267,10 +267,10 @@ class TangentCourse:
         self.code.check(status, self.time)
         raise NumericalError(f"the motion has no tangents near t = {self.time:.9g} s")
 
-    def _rows(self) -> Rows:
+    def _rows(self) -> SampleRows:
         e = self.kernel.equations
         sizes = len(e.states), len(e.unknowns), len(e.channels)
-        return Rows(*[np.empty((self.at_once + 1, size)) for size in sizes])
+        return SampleRows(*[np.empty((self.at_once + 1, size)) for size in sizes])
 
     def _step_with_events(self) -> None:
         """Take the step that is due in parts, as a run without derivatives does."""
@@ -298,12 +298,12 @@ class TangentCourse:
         if self.watch.ended_by:
             self._end(point, moved)
 
-    def _end(self, point: Point, moved: Vector) -> None:
+    def _end(self, point: ConsistentPoint, moved: Vector) -> None:
         """Record the sample where a terminal event ends the motion."""
         self._record(point, moved)
 
-    def _trials(self, begin: float) -> Callable[[float], Point]:
-        def trial(end: float) -> Point:
+    def _trials(self, begin: float) -> Callable[[float], ConsistentPoint]:
+        def trial(end: float) -> ConsistentPoint:
             part = replace(self.march)
             status = self.kernel.advance_part(part, (begin, end))
             if status is not Status.SOLVED:
@@ -311,7 +311,7 @@ class TangentCourse:
                 raise NumericalError(self.kernel.failure(status, moment, self.march.ledger))
             step = self.march.step
             moment = self.march.time(step, end) if end < 1.0 else self.march.time(step + 1)
-            return Point(moment, part.state, part.unknowns)
+            return ConsistentPoint(moment, part.state, part.unknowns)
 
         return trial
 
@@ -321,7 +321,12 @@ class TangentCourse:
         self.bundle.part(self.grid, StepSpan(self.march.step, 1, span), moment, times)
 
     def _cross(
-        self, before: Point, after: Point, begin: float, end: float, moved: Vector
+        self,
+        before: ConsistentPoint,
+        after: ConsistentPoint,
+        begin: float,
+        end: float,
+        moved: Vector,
     ) -> Vector:
         """Carry the tangents through the events at a point; return those of its time."""
         known = self._names

@@ -6,15 +6,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import NumericalError
-from vehicledyn.kernel.engine import March, Rows, Status, Vector
+from vehicledyn.kernel.engine import March, SampleRows, Status, Vector
 from vehicledyn.kernel.kernel import Kernel
-from vehicledyn.kernel.tangent_code import Grid
+from vehicledyn.kernel.tangent_code import StepRow
 
 Matrix = NDArray[np.float64]
 
 
 def sampled_run(
-    kernel: Kernel, grid: Grid, n_intervals: int, start: tuple[Vector, Vector]
+    kernel: Kernel, grid: StepRow, n_intervals: int, start: tuple[Vector, Vector]
 ) -> tuple[Vector, Matrix, Vector]:
     """Return times, all channels (n_times, n_channels) and the last state of a plain run.
 
@@ -29,7 +29,7 @@ def sampled_run(
     steps = (grid.method, grid.start, grid.interval, grid.per_interval)
     march = March(*steps, start[0], unknowns, sides=sides)
     sizes = (len(e.states), len(e.unknowns), len(e.channels))
-    rows = Rows(*[np.empty((n_intervals + 1, size)) for size in sizes])
+    rows = SampleRows(*[np.empty((n_intervals + 1, size)) for size in sizes])
     first = kernel.outputs(grid.start, start[0], unknowns)
     status = kernel.advance(march, n_intervals * grid.per_interval, rows)
     if status is not Status.SOLVED:

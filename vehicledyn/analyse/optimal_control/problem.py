@@ -65,7 +65,7 @@ class Expression:
 
 
 @dataclass(frozen=True)
-class Range:
+class BoundedExpression:
     """An expression with the bounds it must keep, in SI."""
 
     what: Expression
@@ -108,8 +108,8 @@ class ControlProblem:
     start: Floats
     end: Floats
     bounds: Floats
-    limits: tuple[Range, ...]
-    final: tuple[Range, ...]
+    limits: tuple[BoundedExpression, ...]
+    final: tuple[BoundedExpression, ...]
     terms: tuple[tuple[float, tuple[Any, ...]], ...]
     growth: dict[int, float] = field(default_factory=dict)
     path: Corridor | None = None

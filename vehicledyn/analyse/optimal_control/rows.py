@@ -70,7 +70,7 @@ class Matrix:
 
 
 @dataclass
-class Rows:
+class BoundedRows:
     """Rows with their bounds, for variables that are divided by their ``scale``."""
 
     scale: Floats

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from vehicledyn.analyse.interior_point import Seen, minimise
 from vehicledyn.analyse.optimal_control.standstill import Iterate, Standstill, StandstillError
 from vehicledyn.analyse.optimal_control.trajectory import Trajectory
-from vehicledyn.analyse.optimal_control.transcription import PointModel, Program
+from vehicledyn.analyse.optimal_control.transcription import MotionProgram, PointModel
 from vehicledyn.analyse.optimal_control.whole_program import whole_program
 
 Floats = NDArray[np.float64]
@@ -81,7 +81,7 @@ def solve_on_mesh(model: PointModel, guess: Trajectory, settings: Settings) -> S
     A search that circles goes on from the motion that it circles about, with a smaller barrier,
     until what the barrier may keep from the objective is small.
     """
-    made = Program(model, guess.mesh, settings.scales)
+    made = MotionProgram(model, guess.mesh, settings.scales)
     program = whole_program(made.rows, made.bounds())
     start, spent, barrier = np.clip(made.layout.of(guess), *program.bounds), 0, settings.barrier
 

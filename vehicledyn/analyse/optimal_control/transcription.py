@@ -28,7 +28,7 @@ from vehicledyn.analyse.optimal_control.point_function import (
     start_function,
 )
 from vehicledyn.analyse.optimal_control.problem import BEND, POINTS, RAMP, ControlProblem
-from vehicledyn.analyse.optimal_control.rows import OBJECTIVE, PointGroup, Rows
+from vehicledyn.analyse.optimal_control.rows import OBJECTIVE, BoundedRows, PointGroup
 from vehicledyn.analyse.optimal_control.trajectory import DEGREE, radau_points
 
 Floats = NDArray[np.float64]
@@ -56,7 +56,7 @@ class PointModel:
         return other
 
 
-class Program:
+class MotionProgram:
     """The nonlinear program of a problem on a mesh.
 
     ``rows`` are its objective and constraints.
@@ -66,7 +66,7 @@ class Program:
         self.model, self.problem, self.mesh = model, model.problem, mesh
         self.layout = Layout(self.problem, len(mesh) - 1, scales)
         self.steps = np.diff(mesh)
-        self.rows = Rows(self.layout.scale)
+        self.rows = BoundedRows(self.layout.scale)
         self._points = self._group()
         self._collocate(scales)
         self._continue_controls()

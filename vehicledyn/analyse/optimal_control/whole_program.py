@@ -6,12 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyse.interior_point import NonlinearProgram, Pattern
-from vehicledyn.analyse.optimal_control.rows import OBJECTIVE, Rows
+from vehicledyn.analyse.optimal_control.rows import OBJECTIVE, BoundedRows
 
 Floats = NDArray[np.float64]
 
 
-def whole_program(rows: Rows, bounds: tuple[Floats, Floats]) -> NonlinearProgram:
+def whole_program(rows: BoundedRows, bounds: tuple[Floats, Floats]) -> NonlinearProgram:
     """Return the program whose first row is least where the others keep their bounds.
 
     ``bounds`` are those of the variables, each of shape (n,).

@@ -18,7 +18,7 @@ from vehicledyn.codegen.toolchain.compiler import CompilationError
 from vehicledyn.kernel.derivatives import TotalDerivatives
 from vehicledyn.kernel.engine import Vector
 from vehicledyn.kernel.interpreted import BufferedFunction
-from vehicledyn.kernel.path_code import Path, PathCode
+from vehicledyn.kernel.path_code import PathCode, StepTrace
 from vehicledyn.kernel.path_tangents import PathTangents
 from vehicledyn.kernel.point_slopes import CarriedMotions, PointCode
 from vehicledyn.symbolic import ops
@@ -178,7 +178,7 @@ class AutonomousField:
         scales: Vector,
         tolerance: float,
         trials: int,
-    ) -> Path | None:
+    ) -> StepTrace | None:
         """Return the path of the motion from a state, see :meth:`PathCode.followed`.
 
         For fields that are carried; None where steps become many.
@@ -192,10 +192,10 @@ class AutonomousField:
             trials=trials,
         )
 
-    def tangents(self, path: Path, value: float, *, scales: Vector) -> PathTangents:
+    def tangents(self, path: StepTrace, value: float, *, scales: Vector) -> PathTangents:
         """Return what finds the tangents along a path, for fields that are carried."""
 
-        def followed(state: Vector, durations: Vector, error: float) -> Path | None:
+        def followed(state: Vector, durations: Vector, error: float) -> StepTrace | None:
             return self.followed(
                 state, value, durations, scales=scales, tolerance=error, trials=_MOST_WITHIN
             )

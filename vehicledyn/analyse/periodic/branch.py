@@ -26,7 +26,7 @@ from vehicledyn.analyse.periodic.cycle_points import (
 )
 from vehicledyn.analyse.periodic.cycles_at import cycle_beside
 from vehicledyn.analyse.periodic.orbit import Orbit
-from vehicledyn.analyse.periodic.orbit_steps import Steps
+from vehicledyn.analyse.periodic.orbit_steps import BranchSteps
 from vehicledyn.analyse.periodic.outside_range import Outside
 from vehicledyn.analyse.periodic.special_points import SpecialPoints
 from vehicledyn.base.errors import NumericalError
@@ -85,7 +85,7 @@ def follow_cycles(
         If not even the first orbit is found. A branch that is lost later says so in its ending.
     """
     result = Branch() if branch is None else branch
-    steps = Steps(model, limits, start.intervals)
+    steps = BranchSteps(model, limits, start.intervals)
     special = SpecialPoints(steps, result.remarks)
     tracer = _Tracer(steps, special, result, told or (lambda point: None))
     tracer.begin(start, direction, upwards=upwards)
@@ -97,7 +97,7 @@ def follow_cycles(
 class _Tracer:
     """A branch while it is followed."""
 
-    steps: Steps
+    steps: BranchSteps
     special: SpecialPoints
     branch: Branch
     told: Told

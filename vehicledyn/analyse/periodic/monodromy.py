@@ -26,12 +26,12 @@ from vehicledyn.analyse.periodic.radau import (
     ORDER,
     STAGES,
     ParameterPoint,
-    Steps,
+    TriedSteps,
     radau_steps,
 )
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.kernel.engine import Vector
-from vehicledyn.kernel.path_code import Path
+from vehicledyn.kernel.path_code import StepTrace
 from vehicledyn.kernel.point_slopes import CarriedMotions
 
 TOLERANCE = 1e-5
@@ -160,7 +160,7 @@ def durations_of(orbit: Orbit, mirror: Mirror | None = None) -> Vector:
 def passages_along(
     field: AutonomousField,
     orbit: Orbit,
-    path: Path,
+    path: StepTrace,
     scales: Vector,
     *,
     tolerances: Sequence[float],
@@ -292,7 +292,7 @@ class _Pieces:
         whole = active[taken & (sizes >= left)]
         self.places[whole] = self.stops[whole]
 
-    def _enter(self, which: NDArray[np.intp], trial: Steps, taken: NDArray[np.bool_]) -> None:
+    def _enter(self, which: NDArray[np.intp], trial: TriedSteps, taken: NDArray[np.bool_]) -> None:
         """Enter the steps taken."""
         maps = trial.by_state[taken]
         carried = (maps @ self.by_parameter[which][:, :, None])[:, :, 0]
@@ -301,7 +301,7 @@ class _Pieces:
         self.states[which] = trial.ends[taken]
         self.rates[which] = trial.rates[taken]
 
-    def _trial(self, active: NDArray[np.intp], sizes: Vector) -> Steps:
+    def _trial(self, active: NDArray[np.intp], sizes: Vector) -> TriedSteps:
         """Return a step of some pieces."""
         begin, count, n = self.states[active], len(active), self.field.size
         nodes = self.places[active][:, None] + sizes[:, None] * NODES

@@ -64,7 +64,7 @@ _CORNERED = 2e-4
 
 
 @dataclass
-class Steps:
+class BranchSteps:
     """Steps along a branch of a model; ``intervals`` are those of the mesh of collocation.
 
     Orbits that integration finds are their own images in the ``mirror``, if there is one.

@@ -45,7 +45,7 @@ NODES, _WEIGHTS = _nodes_and_weights()
 
 
 @dataclass
-class Steps:
+class TriedSteps:
     """Steps that were tried, k of them; ``found`` (k,) says where there is one.
 
     ``ends`` (k, n), their derivatives ``by_state`` (k, n, n) and ``by_parameter`` (k, n);
@@ -59,9 +59,9 @@ class Steps:
     rates: Vector
 
     @staticmethod
-    def none(count: int, n: int) -> Steps:
+    def none(count: int, n: int) -> TriedSteps:
         """Return steps of which nothing is found yet."""
-        return Steps(
+        return TriedSteps(
             np.zeros(count, dtype=bool),
             np.ones((count, n)),
             np.zeros((count, n, n)),
@@ -89,7 +89,7 @@ class ParameterPoint:
 
 def radau_steps(
     place: ParameterPoint, begin: Vector, stages: Vector, unknowns: Vector, durations: Vector
-) -> Steps:
+) -> TriedSteps:
     """Return steps from some states, found by Newton's method from a guess of their stages.
 
     Parameters
@@ -111,7 +111,7 @@ def radau_steps(
     count, _, n = stages.shape
     stages, unknowns = stages.copy(), unknowns.copy()
     weights = _WEIGHTS * durations[:, None, None]
-    going, found = np.ones(count, dtype=bool), Steps.none(count, n)
+    going, found = np.ones(count, dtype=bool), TriedSteps.none(count, n)
     for _ in range(_ITERATIONS):
         k = np.flatnonzero(going)
         system = _System.at(place, stages[k], unknowns[k], weights[k])

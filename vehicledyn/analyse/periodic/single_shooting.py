@@ -26,7 +26,7 @@ from vehicledyn.analyse.periodic.multiple_shooting import Chain, Closed, solved
 from vehicledyn.analyse.periodic.orbit import Orbit
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.kernel.engine import Vector
-from vehicledyn.kernel.path_code import Path
+from vehicledyn.kernel.path_code import StepTrace
 
 _NEAR_STEP, _STEP, _NEAR = 3e-6, 3e-8, 1e-3
 """Errors of steps of the motion, at first and from a gap on."""
@@ -158,7 +158,7 @@ def _followed(
     scales: Vector,
     tolerance: float,
     mirror: Mirror | None,
-) -> tuple[Orbit, Vector, Path]:
+) -> tuple[Orbit, Vector, StepTrace]:
     """Return the orbit through its first point, by how much its end misses that, and the path."""
     begin = orbit.states[0]
     found = field.followed(
@@ -178,7 +178,9 @@ def _followed(
     return replace(orbit, states=states), (end - begin) / scales, found
 
 
-def _tangents(field: AutonomousField, orbit: Orbit, path: Path, mirror: Mirror | None) -> Passages:
+def _tangents(
+    field: AutonomousField, orbit: Orbit, path: StepTrace, mirror: Mirror | None
+) -> Passages:
     """Return the passages of an orbit, accurate enough for its multipliers."""
     return passages_along(
         field,

@@ -11,7 +11,7 @@ import numpy as np
 
 from vehicledyn.analyse.periodic.cycle_points import CyclePoint
 from vehicledyn.analyse.periodic.floquet import STABLE
-from vehicledyn.analyse.periodic.orbit_steps import Steps
+from vehicledyn.analyse.periodic.orbit_steps import BranchSteps
 from vehicledyn.base.errors import NumericalError
 
 _NO_TURN = 1e-5
@@ -57,7 +57,7 @@ class SpecialPoints:
     ``side`` is the sign of the parameter's last slope along the branch.
     """
 
-    steps: Steps
+    steps: BranchSteps
     remarks: list[str]
     side: float = field(default=0.0)
 

@@ -19,7 +19,7 @@ from vehicledyn.analyses.contact.contact_curves import (
 from vehicledyn.analyses.contact.contact_report import ContactReport
 from vehicledyn.base.argument_names import argument, given
 from vehicledyn.base.errors import InputError
-from vehicledyn.rail.geometry.contact_geometry import Touch, Wheel, place_rail
+from vehicledyn.rail.geometry.contact_geometry import GapMinima, MountedWheel, place_rail
 from vehicledyn.rail.geometry.gauge_fit import check_fit
 from vehicledyn.rail.geometry.wheelset_geometry import WheelsetOnTrack, WheelsetPosition, stand
 from vehicledyn.rail.profiles.open_profile import open_profile
@@ -93,7 +93,7 @@ def find_contact_geometry(
     facts = replace(request, reading=request.reading.model_dump_json())  # type: ignore[arg-type]
     measured = [profile.measured and profile.measured.points for profile in (*wheels, *rails)]
     memory = (kept or KeptWork()).memory(
-        "profiles", facts, measured, kinds=(WheelsetPosition, Touch)
+        "profiles", facts, measured, kinds=(WheelsetPosition, GapMinima)
     )
     wheelset = replace(wheelset, memory=memory)
     progress("finding contact points")
@@ -145,7 +145,7 @@ def _placed(
     placed = [
         place_rail(rail, request.inclination, request.gauge, request.gauge_depth) for rail in rails
     ]
-    left, right = (Wheel(w, r, half) for w, r in zip(wheels, request.radii, strict=True))
+    left, right = (MountedWheel(w, r, half) for w, r in zip(wheels, request.radii, strict=True))
     return WheelsetOnTrack(left, right, placed[0], placed[1], request.curvature)
 
 
@@ -252,7 +252,7 @@ def _columns(wheelset: WheelsetOnTrack, standing: list[WheelsetPosition]) -> Con
     )
     for n, position in enumerate(standing):
         for k, (wheel, rail) in enumerate(pairs):
-            touch: Touch = getattr(position, SIDES[k])
+            touch: GapMinima = getattr(position, SIDES[k])
             count = min(POINTS, len(touch.gap))
             for name in ("place", "x", "y", "z", "gap"):
                 found[name][n, k, :count] = getattr(touch, name)[:count]
@@ -268,7 +268,7 @@ def _outlines(wheelset: WheelsetOnTrack, request: ContactRequest) -> dict[str, A
     position = stand(wheelset, 0.0, request.yaw)
     outlines = {}
     for side in SIDES:
-        wheel: Wheel = getattr(wheelset, f"{side}_wheel")
+        wheel: MountedWheel = getattr(wheelset, f"{side}_wheel")
         surface = getattr(wheelset, f"{side}_rail").surface
         places = np.linspace(wheel.table.begin, wheel.table.end, 400)
         heights = position.height - wheel.radius - wheel.table.height(places)

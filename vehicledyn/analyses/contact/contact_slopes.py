@@ -19,10 +19,10 @@ from vehicledyn.analyses.contact.contact_conicity import differences_at
 from vehicledyn.base.errors import InputError
 from vehicledyn.rail.geometry.conicity import RadiusDifference, conicity_slope, equivalent_conicity
 from vehicledyn.rail.geometry.contact_geometry import (
+    GapMinima,
+    MountedWheel,
     Pose,
     Rail,
-    Touch,
-    Wheel,
     outward_slope,
     silhouette,
 )
@@ -137,7 +137,7 @@ class ContactSlopes:
     def _corner(self, standing: WheelsetPosition) -> str:
         """Return why nothing follows smoothly where a wheelset stands."""
         for side in _SIDES:
-            touch: Touch = getattr(standing, side)
+            touch: GapMinima = getattr(standing, side)
             if len(touch.gap) > 1 and touch.gap[1] - touch.gap[0] < _NEAR:
                 return f"the {side} wheel touches at two places, between which contact jumps"
             if touch.edge[0]:
@@ -184,9 +184,9 @@ class ContactSlopes:
         self, standing: WheelsetPosition, side: str, pose: Pose, aside: Mapping[str, complex]
     ) -> tuple[complex, complex, complex, list[complex]]:
         """Return place, rolling radius and contact angle of a side, and its two equations."""
-        wheel: Wheel = getattr(self.wheelset, f"{side}_wheel")
+        wheel: MountedWheel = getattr(self.wheelset, f"{side}_wheel")
         rail: Rail = getattr(self.wheelset, f"{side}_rail")
-        touch: Touch = getattr(standing, side)
+        touch: GapMinima = getattr(standing, side)
         moved = aside.get(f"place_{side}", 0.0)
         z, slope, bend = (row[0] for row in wheel.table.values(touch.place[:1]))
         place, height, steep = touch.place[0] + moved, z + slope * moved, slope + bend * moved

@@ -9,7 +9,7 @@ import numpy as np
 from vehicledyn.analyse.periodic.autonomous import AutonomousField
 from vehicledyn.analyse.periodic.critical import CriticalPoint
 from vehicledyn.analyse.periodic.cycle_points import Branch
-from vehicledyn.analyses.preparation.prepare import Point
+from vehicledyn.analyses.preparation.prepare import AssembledPoint
 from vehicledyn.analyses.preparation.prepared import Prepared
 from vehicledyn.analyses.preparation.validity.bent_beams import MonitoredBeams, bent_among
 from vehicledyn.base.units import shown
@@ -36,7 +36,7 @@ def _points(
     model: AutonomousField,
     balances: Sequence[CriticalPoint],
     branches: Sequence[Branch],
-) -> Iterator[tuple[str, Kernel, Point]]:
+) -> Iterator[tuple[str, Kernel, AssembledPoint]]:
     unit = prepared.equations.parameters[model.index].unit
 
     def words(what: str, value: float) -> str:
@@ -47,11 +47,11 @@ def _points(
 
     for balance in balances:
         state = model.full(balance.state[None, :])[0]
-        point = Point(state, balance.unknowns)
+        point = AssembledPoint(state, balance.unknowns)
         yield words("the equilibrium", balance.value), at(balance.value), point
     for orbit in (point.orbit for branch in branches for point in branch.points):
         kernel = at(orbit.parameter)
         states, unknowns = orbit.sample(np.arange(_PHASES) / _PHASES)
         for state, guess in zip(model.full(states), unknowns, strict=True):
             solved = kernel.solve_unknowns(0.0, state, guess) if guess.size else guess
-            yield words("the limit cycle", orbit.parameter), kernel, Point(state, solved)
+            yield words("the limit cycle", orbit.parameter), kernel, AssembledPoint(state, solved)

@@ -10,7 +10,7 @@ from vehicledyn.analyse.periodic.autonomous import AutonomousField
 from vehicledyn.analyse.periodic.critical import follow_balance
 from vehicledyn.analyse.settling.parameter_rampdown import steps
 from vehicledyn.analyses.hunting.parameter_starts import ParameterStarts
-from vehicledyn.analyses.preparation.prepare import Point, reference_point
+from vehicledyn.analyses.preparation.prepare import AssembledPoint, reference_point
 from vehicledyn.analyses.preparation.prepared import Prepared
 from vehicledyn.base.argument_names import argument, given
 from vehicledyn.base.errors import InputError, NumericalError, nearest_name, unknown_name
@@ -222,7 +222,7 @@ def balanced_point(
     value: float,
     scenario: Scenario | None,
     model: AutonomousField,
-) -> Point:
+) -> AssembledPoint:
     """Return the reference point of a system whose kernel has a parameter's value."""
     return reference_point(
         prepared,

@@ -10,7 +10,12 @@ from numpy.typing import NDArray
 
 from vehicledyn.analyses.linear.stability import Stability, stability_of
 from vehicledyn.analyses.preparation.own_speed import at_speed, own_speed, refuse_idle_speed
-from vehicledyn.analyses.preparation.prepare import Point, equilibrium_point, nominal_point, prepare
+from vehicledyn.analyses.preparation.prepare import (
+    AssembledPoint,
+    equilibrium_point,
+    nominal_point,
+    prepare,
+)
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress
 from vehicledyn.analyses.preparation.validity.points import validity_warnings
 from vehicledyn.base.units import shown
@@ -26,7 +31,7 @@ _DIGITS = 1e-9
 
 
 @dataclass(frozen=True)
-class Row:
+class EquilibriumRow:
     """One quantity in the nominal position and in equilibrium, in SI."""
 
     name: str
@@ -45,11 +50,11 @@ class EquilibriumReport:
     speed: float
     kind: str
     residual: float
-    coordinates: list[Row]
-    forces: list[Row]
+    coordinates: list[EquilibriumRow]
+    forces: list[EquilibriumRow]
     stability: Stability = field(default_factory=Stability)
     notes: tuple[str, ...] = ()
-    channels: list[Row] = field(default_factory=list)
+    channels: list[EquilibriumRow] = field(default_factory=list)
 
     def as_text(self) -> str:
         """Return the report as a table."""
@@ -79,7 +84,7 @@ class EquilibriumReport:
     def as_dict(self) -> dict[str, Any]:
         """Return the report as plain data in SI."""
 
-        def table(rows: list[Row]) -> dict[str, Any]:
+        def table(rows: list[EquilibriumRow]) -> dict[str, Any]:
             return {
                 r.name: {"unit": r.unit, "nominal": r.nominal, "equilibrium": r.equilibrium}
                 for r in rows
@@ -111,7 +116,7 @@ class EquilibriumReport:
         return EquilibriumTable(*facts, first, at, second, under, third, beside)
 
     @property
-    def _rows(self) -> tuple[list[Row], list[Row], list[Row]]:
+    def _rows(self) -> tuple[list[EquilibriumRow], list[EquilibriumRow], list[EquilibriumRow]]:
         return self.coordinates, self.forces, self.channels
 
 
@@ -175,14 +180,14 @@ def find_equilibrium(
     )
 
 
-def _still(prepared: Prepared, point: Point) -> Point:
+def _still(prepared: Prepared, point: AssembledPoint) -> AssembledPoint:
     """Return a point without the velocities that a start gives it."""
     state = point.state.copy()
     state[list(prepared.equations.speeds)] = 0.0
     return replace(point, state=state)
 
 
-def _channels(prepared: Prepared, point: Point) -> NDArray[np.float64]:
+def _channels(prepared: Prepared, point: AssembledPoint) -> NDArray[np.float64]:
     """Return all outputs at a point, evaluated now while its speed is set."""
     return np.array(
         prepared.kernel.outputs(prepared.subject.balance_time, point.state, point.unknowns)
@@ -191,13 +196,13 @@ def _channels(prepared: Prepared, point: Point) -> NDArray[np.float64]:
 
 def _tables(
     prepared: Prepared, nominal: NDArray[np.float64], balanced: NDArray[np.float64]
-) -> tuple[list[Row], list[Row], list[Row]]:
+) -> tuple[list[EquilibriumRow], list[EquilibriumRow], list[EquilibriumRow]]:
     """Return the rows of coordinates, of forces and of all other channels."""
     e = prepared.equations
     turned = [k for attitude in e.attitudes for k in attitude.quaternion]
     coordinates = {s.name for s in (*(e.states[k] for k in (*e.positions, *turned)), *e.unknowns)}
     rows = [
-        Row(c.name, c.unit, float(a), float(b), c.description)
+        EquilibriumRow(c.name, c.unit, float(a), float(b), c.description)
         for c, a, b in zip(e.channels, nominal, balanced, strict=True)
     ]
     return (
@@ -215,20 +220,20 @@ _TOLD_IN = {**_SHOWN_IN, "Pa": (1e-6, "MPa")}
 """Factor and unit in which other channels are printed, by their SI unit."""
 
 
-def _is_moved(row: Row) -> bool:
+def _is_moved(row: EquilibriumRow) -> bool:
     """Tell whether a channel that is no rate or power differs in equilibrium."""
     size = max(abs(row.nominal), abs(row.equilibrium))
     change = abs(row.equilibrium - row.nominal)
     return "/s" not in row.unit and row.unit != "W" and change > max(_DIGITS * size, _SMALL)
 
 
-def _channel_texts(row: Row) -> tuple[str, ...]:
+def _channel_texts(row: EquilibriumRow) -> tuple[str, ...]:
     factor, unit = _TOLD_IN.get(row.unit, (1.0, row.unit))
     values = (row.nominal, row.equilibrium, row.equilibrium - row.nominal)
     return tuple(f"{_clean(v * factor):.6g} {unit}".rstrip() for v in values)
 
 
-def _position_texts(row: Row) -> tuple[str, str, str]:
+def _position_texts(row: EquilibriumRow) -> tuple[str, str, str]:
     factor, unit = _SHOWN_IN.get(row.unit, (1.0, row.unit))
     values = (row.nominal, row.equilibrium, row.equilibrium - row.nominal)
     nominal, balanced, change = (f"{_clean(v * factor):.4f} {unit}".rstrip() for v in values)

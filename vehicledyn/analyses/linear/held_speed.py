@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from vehicledyn.analyses.linear.linear_inputs import THRUST
-from vehicledyn.analyses.preparation.prepare import Point, Start, reference_point
+from vehicledyn.analyses.preparation.prepare import AssembledPoint, Start, reference_point
 from vehicledyn.analyses.preparation.prepared import Prepared
 from vehicledyn.base.errors import NumericalError
 
@@ -13,7 +13,7 @@ _HELD = 1e-10
 _TRIALS = 12
 
 
-def held_speed_point(prepared: Prepared, speed: float, start: Start | None) -> Point:
+def held_speed_point(prepared: Prepared, speed: float, start: Start | None) -> AssembledPoint:
     """Return the reference point; what runs along a road keeps its speed by a force on its body.
 
     Without that force it would slowly fall in speed, and no constant input could have a
@@ -50,7 +50,7 @@ def _push(prepared: Prepared, thrust: float) -> None:
     prepared.kernel.set_parameters(values)
 
 
-def _acceleration(prepared: Prepared, point: Point) -> float:
+def _acceleration(prepared: Prepared, point: AssembledPoint) -> float:
     """Return the acceleration of the body along x [m/s²]."""
     time, body = prepared.subject.balance_time, prepared.subject.ports.body
     rates = prepared.kernel.rates(time, point.state, point.unknowns)

@@ -24,7 +24,7 @@ from vehicledyn.base.argument_names import given
 from vehicledyn.base.errors import InputError
 from vehicledyn.multibody.elements.coordinate_forces import CoordinateForce
 from vehicledyn.multibody.elements.drives import TimeLaw
-from vehicledyn.multibody.elements.excitation import HeldDrive, MovedDrive, Signal, SmallLoad
+from vehicledyn.multibody.elements.excitation import HeldDrive, MovedDrive, SmallInput, SmallLoad
 from vehicledyn.multibody.elements.external_wrenches import ExternalWrench
 from vehicledyn.multibody.model.bodies import Joint
 from vehicledyn.multibody.model.parts import Clock, Part
@@ -126,9 +126,9 @@ class Excited:
                 return self._force(name, part.coordinate)
         return None
 
-    def _signal(self, unit: str, suffix: str = "") -> Signal:
+    def _signal(self, unit: str, suffix: str = "") -> SmallInput:
         name = f"{PREFIX}.{len(self.inputs) + 1}{suffix}"
-        return Signal.enter(self.system.table, name, unit)
+        return SmallInput.enter(self.system.table, name, unit)
 
     def _motion(self, name: str, coordinate: str) -> ModelInput:
         joint = joint_of(self.system, name, coordinate)
@@ -142,7 +142,7 @@ class Excited:
         text = f"Motion of {joint.description or coordinate}"
         return ModelInput(name, joint.unit, text, (InputPart(signal.names),))
 
-    def _moved(self, joint: Joint, signal: Signal) -> list[Part]:
+    def _moved(self, joint: Joint, signal: SmallInput) -> list[Part]:
         """Return the parts with the one that drives a coordinate moved by a signal."""
         time = self.subject.balance_time
         parts: list[Part] = []
@@ -276,7 +276,7 @@ class Excited:
         )
 
 
-def _lifted(wheel: RoadWheel, signal: Signal) -> RoadWheel:
+def _lifted(wheel: RoadWheel, signal: SmallInput) -> RoadWheel:
     return replace(
         wheel,
         surface=raised(wheel.surface, signal.value),
@@ -284,6 +284,6 @@ def _lifted(wheel: RoadWheel, signal: Signal) -> RoadWheel:
     )
 
 
-def _run_over(wheel: RoadWheel, signal: Signal, speed: Scalar) -> RoadWheel:
+def _run_over(wheel: RoadWheel, signal: SmallInput, speed: Scalar) -> RoadWheel:
     """Return a wheel that runs over a signal: the ground slopes, it does not rise."""
     return replace(wheel, surface=raised(wheel.surface, signal.value, signal.rate / speed))

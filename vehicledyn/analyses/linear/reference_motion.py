@@ -12,7 +12,7 @@ from vehicledyn.analyse.gradients.eigenvalues import LinearPoint
 from vehicledyn.analyse.gradients.linear_system import Following, SystemDerivatives
 from vehicledyn.analyses.linear.linear_inputs import THRUST
 from vehicledyn.analyses.linear.written_starts import WrittenStarts
-from vehicledyn.analyses.preparation.prepare import Point, reference_start, start_point
+from vehicledyn.analyses.preparation.prepare import AssembledPoint, reference_start, start_point
 from vehicledyn.analyses.preparation.prepared import Prepared
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.files.scenario.target import Target
@@ -42,7 +42,7 @@ class ReferenceMotion:
         self.kind = reference_start(subject, speed, choices.start if choices else None)
         self.written = WrittenStarts(prepared, speed, assembles=self.kind == "nominal")
 
-    def at(self, point: Point, parameters: Floats) -> tuple[LinearPoint, Following]:
+    def at(self, point: AssembledPoint, parameters: Floats) -> tuple[LinearPoint, Following]:
         """Return the point, and how it follows all parameters.
 
         Raises
@@ -83,7 +83,7 @@ class ReferenceMotion:
         free = [] if self.kind == "nominal" else subject.balance_pairs(e, at)[0]
         return bool(set(self.written.states).difference(free) or self.written.given_rates())
 
-    def started(self, parameters: Floats, speed: float) -> Point:
+    def started(self, parameters: Floats, speed: float) -> AssembledPoint:
         """Return the reference point with other parameters, at their speed [m/s]."""
         kernel = self._prepared.kernel.with_parameters(parameters)
         begun = self.written.applied(replace(self._prepared, kernel=kernel))
@@ -108,7 +108,7 @@ class ReferenceMotion:
         found[others] = self._prepared.subject.still_state(e)[others]
         return found
 
-    def _set_moving(self, at_rest: LinearPoint, point: Point) -> Following:
+    def _set_moving(self, at_rest: LinearPoint, point: AssembledPoint) -> Following:
         """Return how a point moves that was balanced at rest and then given its velocities."""
         e, parameters = self._prepared.equations, at_rest.parameters
         balance = self._derivatives.at(at_rest, Following((), self.written.still(parameters)))
@@ -120,7 +120,7 @@ class ReferenceMotion:
         loose[:, list(at_rest.pairs[0])] = balance.loose
         return Following((), found, loose)
 
-    def _with_given_rates(self, point: Point, parameters: Floats, found: Floats) -> Floats:
+    def _with_given_rates(self, point: AssembledPoint, parameters: Floats, found: Floats) -> Floats:
         begun = self.written.applied(self._prepared)
         return self.written.with_given_rates(begun, point, np.eye(len(parameters)), found)
 

@@ -18,7 +18,7 @@ from vehicledyn.analyses.linear.input_names import InputPart, ModelInput, hint
 from vehicledyn.analyses.linear.linear_inputs import Excited
 from vehicledyn.analyses.linear.response_report import ResponseReport
 from vehicledyn.analyses.preparation.own_speed import at_speed, refuse_idle_speed
-from vehicledyn.analyses.preparation.prepare import Point, prepare
+from vehicledyn.analyses.preparation.prepare import AssembledPoint, prepare
 from vehicledyn.analyses.preparation.prepared import Derived, Prepared, Progress
 from vehicledyn.analyses.preparation.runnable import Subject
 from vehicledyn.analyses.preparation.steadiness import unsteadiness
@@ -44,7 +44,7 @@ class Linearised:
     """A model with inputs, linearised about a reference motion at a speed [m/s]."""
 
     prepared: Prepared
-    point: Point
+    point: AssembledPoint
     linear: Linearisation
     inputs: tuple[ModelInput, ...]
     columns: dict[str, int]

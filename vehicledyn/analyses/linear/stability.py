@@ -8,7 +8,7 @@ from typing import Any
 from vehicledyn.analyse.linearise import linearise
 from vehicledyn.analyse.modes import Mode, eigenmodes
 from vehicledyn.analyses.linear.mode_report import NEAR_ZERO, STABLE
-from vehicledyn.analyses.preparation.prepare import Point
+from vehicledyn.analyses.preparation.prepare import AssembledPoint
 from vehicledyn.analyses.preparation.prepared import Prepared
 from vehicledyn.base.errors import InputError, NumericalError
 
@@ -81,7 +81,7 @@ def _modes(number: int, one: str, several: str) -> str:
     return f"{number} mode {one}" if number == 1 else f"{number} modes {several}"
 
 
-def stability_of(prepared: Prepared, point: Point) -> Stability:
+def stability_of(prepared: Prepared, point: AssembledPoint) -> Stability:
     """Return the stability of an equilibrium, by the eigenvalues of the linearised equations.
 
     A mode grows or decays where the real part of its eigenvalue is beyond 1e-6 /s, and its size

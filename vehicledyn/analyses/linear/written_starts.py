@@ -10,7 +10,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.analyses.preparation.prepare import Point
+from vehicledyn.analyses.preparation.prepare import AssembledPoint
 from vehicledyn.analyses.preparation.prepared import Prepared
 from vehicledyn.base.errors import InputError
 from vehicledyn.kernel.derivatives import Derivatives
@@ -110,7 +110,7 @@ class WrittenStarts:
         return [name for name in self._subject.given_rates if f"{name}_rate" in followed]
 
     def with_given_rates(
-        self, prepared: Prepared, point: Point, by_parameter: Floats, slopes: Floats
+        self, prepared: Prepared, point: AssembledPoint, by_parameter: Floats, slopes: Floats
     ) -> Floats:
         """Return derivatives of the start where rates of dependent coordinates are given.
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.linalg import qr
 
 from vehicledyn.analyse.continuation import (
-    Equations,
+    BranchEquations,
 )
 from vehicledyn.base.errors import InputError, unknown_name
 from vehicledyn.multibody.loops.position_level import Positions
@@ -40,7 +40,7 @@ class Mechanism:
         return len(self.positions.cuts)
 
     @property
-    def equations(self) -> Equations:
+    def equations(self) -> BranchEquations:
         """Gaps and driven channels as functions of the moving coordinates."""
         p, drives, moving = self.positions, list(self.drives), list(self.moving)
 
@@ -52,7 +52,7 @@ class Mechanism:
             q = self.full(u)
             return np.vstack([p.jacobian(q), p.slopes(q)[drives]])[:, moving]
 
-        return Equations(rows, jacobian)
+        return BranchEquations(rows, jacobian)
 
     def full(self, u: Array) -> Array:
         """Return all coordinates, those that do not move at their start."""

@@ -15,7 +15,7 @@ from vehicledyn.analyses.mechanism.inverse import channel_rows
 from vehicledyn.analyses.preparation.build_model import build_subject
 from vehicledyn.analyses.preparation.model_hash import model_facts
 from vehicledyn.analyses.preparation.prepared import Progress
-from vehicledyn.analyses.preparation.prescribed_motion import LawMotion, Motion, read_table
+from vehicledyn.analyses.preparation.prescribed_motion import LawMotion, MotionRequest, read_table
 from vehicledyn.base.argument_names import argument
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.base.units import shown
@@ -184,7 +184,7 @@ def sample_times(loaded: LoadedScenario) -> Array:
 
 def prepared_motion(
     loaded: LoadedScenario, system: System, table: Path | None
-) -> tuple[Motion | None, InverseDynamics]:
+) -> tuple[MotionRequest | None, InverseDynamics]:
     """Return the motion of a scenario or table and the inverse dynamics it goes with.
 
     There is no motion where the system itself drives all coordinates.
@@ -197,7 +197,7 @@ def prepared_motion(
     given, written = loaded.scenario.motion, loaded.written
     if table is None and isinstance(given, str):
         table = loaded.path.parent / given
-    motion: Motion | None = None
+    motion: MotionRequest | None = None
     if table is not None:
         wanted = derive_inverse(system).coordinates
         motion = read_table(table, system, wanted)

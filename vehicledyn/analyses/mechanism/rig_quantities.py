@@ -83,7 +83,7 @@ class Place:
 
 
 @dataclass(frozen=True)
-class Quantity:
+class RigQuantity:
     """A quantity of a wheel on the rig; ``value`` takes the :class:`Place`.
 
     It is analytic in the numbers of the place, so that steps into the complex plane differentiate
@@ -96,12 +96,12 @@ class Quantity:
     value: Callable[[Place], complex]
 
 
-def _value(channel: str, unit: str, text: str) -> Quantity:
-    return Quantity(channel, unit, text, lambda place: place.values[channel])
+def _value(channel: str, unit: str, text: str) -> RigQuantity:
+    return RigQuantity(channel, unit, text, lambda place: place.values[channel])
 
 
-def _slope(name: str, channel: str, unit: str, text: str, factor: float = 1.0) -> Quantity:
-    return Quantity(name, unit, text, lambda place: factor * place.slopes[channel])
+def _slope(name: str, channel: str, unit: str, text: str, factor: float = 1.0) -> RigQuantity:
+    return RigQuantity(name, unit, text, lambda place: factor * place.slopes[channel])
 
 
 def _roll_centre(place: Place) -> complex:
@@ -148,9 +148,9 @@ POSITION = (_value("half_track", "m", "Contact point from the middle plane"),)
 LOAD = (_value("load", "N", "Vertical load of the wheel"),)
 LIFTING = (
     _slope("wheel_rate", "load", "N/m", "Wheel rate"),
-    Quantity("roll_centre_height", "m", "Roll centre above the contact point", _roll_centre),
-    Quantity("brake_support_angle", "rad", "Support angle of braking", _braking),
-    Quantity("drive_support_angle", "rad", "Support angle of driving", _driving),
+    RigQuantity("roll_centre_height", "m", "Roll centre above the contact point", _roll_centre),
+    RigQuantity("brake_support_angle", "rad", "Support angle of braking", _braking),
+    RigQuantity("drive_support_angle", "rad", "Support angle of driving", _driving),
 )
 TRAVEL = (
     _slope("toe_gain", "toe_angle", "rad/m", "Toe by travel (bump steer)"),
@@ -162,9 +162,10 @@ ROLL = (
     _slope("roll_steer", "steer_angle", "1", "Steer angle by the roll of the wheels"),
     _slope("roll_camber", "camber", "1", "Camber to the body by the roll of the wheels"),
 )
-NAMED_AXIS = tuple(Quantity(name, unit, text, _named(name)) for name, unit, text in STEERING)
+NAMED_AXIS = tuple(RigQuantity(name, unit, text, _named(name)) for name, unit, text in STEERING)
 AXIS = tuple(
-    Quantity(name, unit, text, _instant(k, name)) for k, (name, unit, text) in enumerate(STEERING)
+    RigQuantity(name, unit, text, _instant(k, name))
+    for k, (name, unit, text) in enumerate(STEERING)
 )
 STEER = (
     _value("steer_angle", "rad", "Steer angle, positive to the left"),
@@ -175,13 +176,13 @@ BY_FORCE = (
     _slope("camber_compliance", "camber", "rad/N", "Camber by the force"),
 )
 BY_SIDE_FORCE = (
-    Quantity(
+    RigQuantity(
         "lateral_compliance",
         "m/N",
         "Contact point to the left by the force",
         lambda p: complex(p.contact_motion[1]),
     ),
-    Quantity(
+    RigQuantity(
         "roll_centre_height",
         "m",
         "Roll centre of the forces above the contact point",
@@ -189,14 +190,14 @@ BY_SIDE_FORCE = (
     ),
 )
 BY_LONGITUDINAL_FORCE = (
-    Quantity(
+    RigQuantity(
         "longitudinal_compliance",
         "m/N",
         "Contact point forward by the force",
         lambda p: complex(p.contact_motion[0]),
     ),
     _slope("centre_compliance", "x", "m/N", "Wheel centre forward by the force"),
-    Quantity(
+    RigQuantity(
         "brake_support_angle",
         "rad",
         "Support angle of braking by the forces",

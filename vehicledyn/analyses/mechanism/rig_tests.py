@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from vehicledyn.analyses.mechanism import rig_quantities as q
 from vehicledyn.analyses.mechanism.rig_bench import Bench
-from vehicledyn.analyses.mechanism.rig_quantities import Quantity
+from vehicledyn.analyses.mechanism.rig_quantities import RigQuantity
 
 Controls = Callable[[Bench, float], dict[str, float]]
 
@@ -24,7 +24,7 @@ class RigTest:
     text: str
     usual: tuple[float, float, int]
     controls: Controls
-    quantities: tuple[Quantity, ...]
+    quantities: tuple[RigQuantity, ...]
 
 
 def _each(name: str) -> Controls:

@@ -6,10 +6,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
-from vehicledyn.analyses.preparation.prepare import Point, nominal_point, prepare, start_point
+from vehicledyn.analyses.preparation.prepare import (
+    AssembledPoint,
+    nominal_point,
+    prepare,
+    start_point,
+)
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress
 from vehicledyn.codegen.printers.cuda_source import cuda_source
-from vehicledyn.export.document import Start
+from vehicledyn.export.document import ExportedStart
 from vehicledyn.export.files import SUFFIXES, export_files, file_of, write_text
 from vehicledyn.export.fmi_description import Experiment
 from vehicledyn.export.fmu import export_fmu
@@ -63,7 +68,7 @@ def export_target(
     prepared = prepare(target, backend="interpreted", progress=progress)
     progress("finding the point to start from", None)
     point = _point(target, prepared)
-    start = Start(
+    start = ExportedStart(
         tuple(map(float, prepared.kernel.parameters)),
         tuple(map(float, point.state)),
         tuple(map(float, point.unknowns)),
@@ -78,7 +83,7 @@ def export_target(
     return ExportReport(tuple(export_files(ingredients, kind, file, start)))
 
 
-def _point(target: Target, prepared: Prepared) -> Point:
+def _point(target: Target, prepared: Prepared) -> AssembledPoint:
     chosen = target.choices
     if chosen is None:
         return nominal_point(prepared, 0.0)

@@ -12,7 +12,7 @@ from vehicledyn.base.numbers.jumps import jumping_integral
 from vehicledyn.base.numbers.spline import MARGIN
 from vehicledyn.integrate.estimated_accuracy import ENERGY
 from vehicledyn.integrate.judged_quantities import EnergyBalance
-from vehicledyn.road.manoeuvres.channel_recorder import BLOCK, Recording, Rows
+from vehicledyn.road.manoeuvres.channel_recorder import BLOCK, ChannelRows, Recording
 
 if TYPE_CHECKING:
     from vehicledyn.results.store.layout import SummaryEntry
@@ -138,15 +138,15 @@ def _balance(recording: Recording, jumps: Sequence[float]) -> tuple[float, float
 class _Start:
     """Energy of the first sample, and the work until the first sample of a block [J]."""
 
-    def __init__(self, first: Rows) -> None:
+    def __init__(self, first: ChannelRows) -> None:
         self.energy, self.work = float(_energy(first)[0]), 0.0
 
 
-def _energy(rows: Rows) -> Floats:
+def _energy(rows: ChannelRows) -> Floats:
     return rows.channels[ENERGIES[0]] + rows.channels[ENERGIES[1]]
 
 
-def _work(rows: Rows, jumps: Sequence[float]) -> Floats:
+def _work(rows: ChannelRows, jumps: Sequence[float]) -> Floats:
     """Return the work of the forces since the first of some samples, shape (n,) [J]."""
     kept, first = np.unique(rows.time, return_index=True)
     if len(kept) < 2:

@@ -55,7 +55,7 @@ _LET_DOWN = 1e-3
 
 
 @dataclass(frozen=True)
-class Point:
+class AssembledPoint:
     """States and unknowns that fulfil the constraints; ``residual`` the largest unbalance.
 
     ``remark`` says how they were found, where that was not in the usual way.
@@ -125,7 +125,7 @@ def prepare(
 
 def start_point(
     prepared: Prepared, speed: float, kind: Start | None, *, slopes: Slopes | None = None
-) -> Point:
+) -> AssembledPoint:
     """Return the point a scenario starts from, at a speed [m/s].
 
     "nominal" is the position that the system's own start values assemble to; "static" and
@@ -140,7 +140,7 @@ def start_point(
 
 def reference_point(
     prepared: Prepared, speed: float, start: Start | None, *, slopes: Slopes | None = None
-) -> Point:
+) -> AssembledPoint:
     """Return the point to linearise about, see :func:`reference_start`.
 
     ``slopes`` are derivatives of the equations, where others than the prepared ones are quicker.
@@ -160,7 +160,7 @@ def reference_start(subject: Subject, speed: float, start: Start | None) -> Star
     return start or "static"
 
 
-def nominal_point(prepared: Prepared, speed: float) -> Point:
+def nominal_point(prepared: Prepared, speed: float) -> AssembledPoint:
     """Return the system in its nominal position at a forward speed [m/s].
 
     Raises
@@ -179,7 +179,7 @@ def equilibrium_point(
     kind: Literal["static", "steady"],
     *,
     slopes: Slopes | None = None,
-) -> Point:
+) -> AssembledPoint:
     """Return the equilibrium of the system, moving at a speed.
 
     "static" balances it at rest and then gives it the velocities of its start; "steady"
@@ -210,7 +210,7 @@ def equilibrium_point(
         velocities = [k for k in e.speeds if k not in free]
         final[velocities] = moving[velocities]
         set_speed(prepared, speed)
-    return _moving(prepared, Point(final, found.unknowns, found.residual, remark))
+    return _moving(prepared, AssembledPoint(final, found.unknowns, found.residual, remark))
 
 
 def _from_rest(prepared: Prepared, speed: float, slopes: Slopes) -> tuple[EquilibriumPoint, str]:
@@ -223,7 +223,7 @@ def _from_rest(prepared: Prepared, speed: float, slopes: Slopes) -> tuple[Equili
 
 
 def _balanced(
-    prepared: Prepared, start: Point, speed: float, slopes: Slopes
+    prepared: Prepared, start: AssembledPoint, speed: float, slopes: Slopes
 ) -> tuple[EquilibriumPoint, str]:
     """Return the equilibrium at a speed [m/s], and how it was found where not from the start."""
     from vehicledyn.analyse.equilibrium import find_equilibrium
@@ -266,7 +266,9 @@ def not_held(subject: Subject) -> dict[str, str]:
     return {name: why for part in parts for name, why in part.not_held().items()}
 
 
-def _by_partitioning(prepared: Prepared, speed: float, kind: Literal["static", "steady"]) -> Point:
+def _by_partitioning(
+    prepared: Prepared, speed: float, kind: Literal["static", "steady"]
+) -> AssembledPoint:
     """Return the equilibrium of a system with multipliers, found in independent coordinates."""
     other = prepared.partitioned
     point = equilibrium_point(other, speed, kind)
@@ -278,10 +280,10 @@ def _by_partitioning(prepared: Prepared, speed: float, kind: Literal["static", "
     values.update(named(e.states, point.state))
     state = np.array([values[s.name] for s in prepared.equations.states])
     unknowns = np.array([values.get(u.name, u.start) for u in prepared.equations.unknowns])
-    return Point(state, unknowns, point.residual, point.remark)
+    return AssembledPoint(state, unknowns, point.residual, point.remark)
 
 
-def _let_down(prepared: Prepared, start: Point) -> float | None:
+def _let_down(prepared: Prepared, start: AssembledPoint) -> float | None:
     """Return the step in which a road vehicle settles that starts with a wheel off the ground.
 
     Wheels that only just touch count, since rounding alone would decide which of them carry [m or
@@ -309,7 +311,7 @@ def set_speed(prepared: Prepared, speed: float) -> None:
     prepared.kernel.set_parameters(values)
 
 
-def _moving(prepared: Prepared, point: Point) -> Point:
+def _moving(prepared: Prepared, point: AssembledPoint) -> AssembledPoint:
     """Return a point with the rates that were given to its coordinates, dependent ones too."""
     subject = prepared.subject
     state = start_rates(
@@ -319,11 +321,13 @@ def _moving(prepared: Prepared, point: Point) -> Point:
     return replace(point, state=state)
 
 
-def _closed(prepared: Prepared, state: Vector, speed: float) -> Point:
+def _closed(prepared: Prepared, state: Vector, speed: float) -> AssembledPoint:
     """Return a state with its loops closed, near where they were assembled."""
     from vehicledyn.analyse.equilibrium import assemble
 
     refuse_coarse_start(prepared.equations, state)
     guess = np.array([u.start for u in prepared.equations.unknowns])
     set_speed(prepared, speed)
-    return Point(state, assemble(prepared.kernel, prepared.subject.balance_time, state, guess))
+    return AssembledPoint(
+        state, assemble(prepared.kernel, prepared.subject.balance_time, state, guess)
+    )

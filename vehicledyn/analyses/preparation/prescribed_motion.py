@@ -34,7 +34,7 @@ _SWING = 0.2
 """Share of the range of the points around by which a smooth curve may leave that of two points."""
 
 
-class Motion(Protocol):
+class MotionRequest(Protocol):
     """Coordinates and how they move."""
 
     @property

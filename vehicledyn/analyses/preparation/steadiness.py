@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from vehicledyn.analyses.preparation.prepare import Point
+from vehicledyn.analyses.preparation.prepare import AssembledPoint
 from vehicledyn.analyses.preparation.prepared import Prepared
 from vehicledyn.base.units import shown
 
@@ -12,7 +12,7 @@ STEADY = 1e-6
 """Acceleration above which a reference motion is called unsteady [m/s², rad/s²]."""
 
 
-def unsteadiness(prepared: Prepared, point: Point, limit: float = STEADY) -> str:
+def unsteadiness(prepared: Prepared, point: AssembledPoint, limit: float = STEADY) -> str:
     """Return a remark on a reference motion that accelerates, empty if it is steady.
 
     Eigenvalues and responses about such a motion hold only while it lasts.

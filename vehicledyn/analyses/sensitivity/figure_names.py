@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.analyses.preparation.prepare import Point
+from vehicledyn.analyses.preparation.prepare import AssembledPoint
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress
 from vehicledyn.analyses.sensitivity.names import RequestedNames, wanted
 from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_monitored
@@ -115,7 +115,7 @@ def _meant(
 
 
 def _figures_of_run(
-    loaded: LoadedScenario, prepared: Prepared, start: Point, stop: float
+    loaded: LoadedScenario, prepared: Prepared, start: AssembledPoint, stop: float
 ) -> list[str]:
     """Return the names of the key figures that have derivatives, of a run to a time [s]."""
     chosen, channels = needed_channels(prepared), prepared.equations.channels

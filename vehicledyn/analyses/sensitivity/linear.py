@@ -19,7 +19,7 @@ from vehicledyn.analyses.linear.reference_motion import ReferenceMotion
 from vehicledyn.analyses.preparation.own_speed import at_speed
 from vehicledyn.analyses.preparation.prepare import (
     BALANCE_TOLERANCE,
-    Point,
+    AssembledPoint,
     prepare,
     start_point,
 )
@@ -101,7 +101,7 @@ class _Model:
         find = partial(self._at_speed, speed, old)
         self.point = self.memory.recall_or_raise("at speed", (speed, old), find)
         if self.motion.is_given:
-            point = Point(self.point.state, self.point.unknowns)
+            point = AssembledPoint(self.point.state, self.point.unknowns)
             self.following = self.motion.at(point, self.point.parameters)[1]
         return self.point
 
@@ -191,7 +191,7 @@ def find_linear_sensitivity(
             rows.append(slope)
     chosen = directions(e, model.point.parameters, model.point.state, to)
     kernel = model.prepared.kernel.with_parameters(model.point.parameters)
-    point = Point(model.point.state, model.point.unknowns)
+    point = AssembledPoint(model.point.state, model.point.unknowns)
     return SensitivityTable(
         target.title,
         e.name,

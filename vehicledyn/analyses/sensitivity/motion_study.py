@@ -25,7 +25,7 @@ from vehicledyn.analyse.gradients.motion_stretches import KINDS as STRETCH_KINDS
 from vehicledyn.analyse.gradients.motion_stretches import PartitionPiece
 from vehicledyn.analyse.gradients.sampled_run import sampled_run
 from vehicledyn.analyses.linear.written_starts import WrittenStarts
-from vehicledyn.analyses.preparation.prepare import Point, set_speed, start_point
+from vehicledyn.analyses.preparation.prepare import AssembledPoint, set_speed, start_point
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress
 from vehicledyn.analyses.preparation.validity.bent_beams import MonitoredBeams
 from vehicledyn.analyses.sensitivity.names import START, Directions, RequestedNames
@@ -40,7 +40,7 @@ from vehicledyn.base.step_memory import Memory
 from vehicledyn.base.units import shown
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.integrate.channel_ranges import Ranges
-from vehicledyn.kernel.tangent_code import Grid, TangentCode
+from vehicledyn.kernel.tangent_code import StepRow, TangentCode
 from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.road.manoeuvres.channel_recorder import Recording
 
@@ -61,10 +61,10 @@ class MotionStudy:
 
     loaded: LoadedScenario
     prepared: Prepared
-    start: Point
+    start: AssembledPoint
     channels: list[int]
     code: TangentCode
-    grid: Grid
+    grid: StepRow
     n_intervals: int
     notes: list[str]
     course: PartitionCourse
@@ -178,7 +178,7 @@ class MotionStudy:
             state = start.state.copy()
             state[list(held)] = list(given.values())
             unknowns = kernel.solve_unknowns(0.0, state, start.unknowns)
-            start = Point(state, unknowns)
+            start = AssembledPoint(state, unknowns)
         return replace(self, prepared=prepared, start=start, held=held)
 
     def figures(

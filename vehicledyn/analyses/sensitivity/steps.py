@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.analyses.preparation.prepare import Point
+from vehicledyn.analyses.preparation.prepare import AssembledPoint
 from vehicledyn.analyses.preparation.prepared import Prepared
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.units import shown
@@ -16,7 +16,7 @@ from vehicledyn.integrate.accuracy.proposed_step import proposed_step
 from vehicledyn.integrate.channel_ranges import Ranges
 from vehicledyn.integrate.fixed_step import steps_per_interval
 from vehicledyn.kernel.engine import Method
-from vehicledyn.kernel.tangent_code import Grid
+from vehicledyn.kernel.tangent_code import StepRow
 
 Floats = NDArray[np.float64]
 
@@ -29,8 +29,8 @@ _MOST_NUMBERS = 100_000_000
 
 
 def grid_of(
-    loaded: LoadedScenario, prepared: Prepared, start: Point, notes: list[str]
-) -> tuple[Grid, int]:
+    loaded: LoadedScenario, prepared: Prepared, start: AssembledPoint, notes: list[str]
+) -> tuple[StepRow, int]:
     """Return the steps of a scenario; a method without derivatives is replaced, as noted."""
     solver, interval = loaded.scenario.solver, loaded.scenario.output.interval
     method = getattr(solver, "fixed_method", None)
@@ -45,7 +45,7 @@ def grid_of(
     per_interval = steps_per_interval(step, interval)
     whole = loaded.scenario.duration / interval
     n_intervals = math.floor(whole * (1.0 + 1e-12) + 1e-9)
-    return Grid(int(method), 0.0, interval, per_interval), n_intervals
+    return StepRow(int(method), 0.0, interval, per_interval), n_intervals
 
 
 def missed_by(ranges: Ranges, coarse: Floats, fine: Floats) -> float:

@@ -9,7 +9,7 @@ from vehicledyn.files.scenario.checks import MOST_SAMPLES
 from vehicledyn.integrate.accuracy.proposed_step import proposed_step
 
 if TYPE_CHECKING:
-    from vehicledyn.analyses.preparation.prepare import Point
+    from vehicledyn.analyses.preparation.prepare import AssembledPoint
     from vehicledyn.kernel.kernel import Kernel
 
 
@@ -18,7 +18,7 @@ def leaves_step(solver: Any) -> bool:
     return hasattr(solver, "fixed_method") and solver.step is None
 
 
-def with_step(solver: Any, kernel: Kernel, start: Point, interval: float) -> Any:
+def with_step(solver: Any, kernel: Kernel, start: AssembledPoint, interval: float) -> Any:
     """Return the settings of a method with a step that suits the motion at its start.
 
     Parameters

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from vehicledyn.base.units import shown
 
 if TYPE_CHECKING:
-    from vehicledyn.analyses.preparation.prepare import Point
+    from vehicledyn.analyses.preparation.prepare import AssembledPoint
     from vehicledyn.analyses.preparation.prepared import Prepared
 
 _AGREE = 1e-6
@@ -15,7 +15,7 @@ _AGREE = 1e-6
 _MOST = 4
 
 
-def moved_starts(prepared: Prepared, start: Point) -> list[str]:
+def moved_starts(prepared: Prepared, start: AssembledPoint) -> list[str]:
     """Return a line that says which coordinates of a system start elsewhere than was given.
 
     Given is what is not zero. Positions that contradict the constraints are no mistake, because

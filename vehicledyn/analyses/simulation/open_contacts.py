@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from vehicledyn.analyses.preparation.prepare import Point
+from vehicledyn.analyses.preparation.prepare import AssembledPoint
 from vehicledyn.analyses.preparation.prepared import Prepared
 from vehicledyn.base.errors import InputError
 
@@ -15,7 +15,7 @@ _FAST = 1e-3
 """Speed of the gap of a contact that touches beyond which the run is warned of [m/s]."""
 
 
-def refuse_open_contacts(prepared: Prepared, start: Point) -> None:
+def refuse_open_contacts(prepared: Prepared, start: AssembledPoint) -> None:
     """Raise InputError if bodies are apart where they touch at the start, or overlap in flight.
 
     Such a contact would draw its bodies together, and one in flight would never hit.
@@ -48,7 +48,7 @@ def refuse_open_contacts(prepared: Prepared, start: Point) -> None:
         raise InputError("; ".join(problems), about=about)
 
 
-def unsteady_contacts(prepared: Prepared, start: Point) -> list[str]:
+def unsteady_contacts(prepared: Prepared, start: AssembledPoint) -> list[str]:
     """Return a warning for contacts that touch at the start with a gap that opens or closes."""
     return [
         f"warning: '{name}' touches at the start while its gap {'opens' if rate > 0 else 'closes'} "
@@ -59,7 +59,7 @@ def unsteady_contacts(prepared: Prepared, start: Point) -> list[str]:
     ]
 
 
-def _contacts(prepared: Prepared, start: Point) -> list[tuple[str, bool, float, float]]:
+def _contacts(prepared: Prepared, start: AssembledPoint) -> list[tuple[str, bool, float, float]]:
     """Return the rigid contacts by name, whether they touch, their gaps and how fast these grow."""
     places = {variable.name: k for k, variable in enumerate(prepared.equations.states)}
     stems = [name.removesuffix(_TOUCHES) for name in places if name.endswith(_TOUCHES)]

@@ -11,7 +11,7 @@ from vehicledyn.analyses.preparation.error_locations import errors_with_location
 from vehicledyn.analyses.preparation.mass_checks import refuse_idle_start, refuse_rigid_loops
 from vehicledyn.analyses.preparation.memory.remembered import recorded_warnings
 from vehicledyn.analyses.preparation.memory.run_cache import Memory, key_of_run, recall, remember
-from vehicledyn.analyses.preparation.prepare import Point, prepare, start_point
+from vehicledyn.analyses.preparation.prepare import AssembledPoint, prepare, start_point
 from vehicledyn.analyses.preparation.prepared import Check, Derived, Prepared, Progress
 from vehicledyn.analyses.simulation.animation_recorder import look_of
 from vehicledyn.analyses.simulation.open_contacts import refuse_open_contacts
@@ -23,7 +23,7 @@ from vehicledyn.symbolic.cached_equations import equations_from, facts_of
 
 def prepare_run(
     loaded: LoadedScenario, *, backend: Backend, progress: Progress, check: Check | None = None
-) -> tuple[Prepared, Point]:
+) -> tuple[Prepared, AssembledPoint]:
     """Return what a scenario runs and the point it starts from.
 
     Where both are remembered, nothing is derived until something is asked for that only the
@@ -69,7 +69,7 @@ def expected_evaluations(loaded: LoadedScenario) -> float:
     return _STAGES * float(duration) / float(step)
 
 
-def _from_memory(loaded: LoadedScenario, memory: Memory) -> tuple[Prepared, Point] | None:
+def _from_memory(loaded: LoadedScenario, memory: Memory) -> tuple[Prepared, AssembledPoint] | None:
     derived = Derived(loaded, build_subject(loaded))
     equations = equations_from(memory.facts, lambda: derived.equations)
     kernel = known_kernel(equations, memory.kernel)
@@ -77,11 +77,11 @@ def _from_memory(loaded: LoadedScenario, memory: Memory) -> tuple[Prepared, Poin
         return None
     kernel.set_parameters(memory.parameters)
     vectors = np.array(memory.state), np.array(memory.unknowns)
-    start = Point(*vectors, memory.residual, memory.remark)
+    start = AssembledPoint(*vectors, memory.residual, memory.remark)
     return Prepared(derived.subject, equations, kernel, derived, look=memory.look), start
 
 
-def _memory_of(prepared: Prepared, start: Point) -> Memory:
+def _memory_of(prepared: Prepared, start: AssembledPoint) -> Memory:
     return Memory(
         facts_of(prepared.equations),
         prepared.kernel.key,

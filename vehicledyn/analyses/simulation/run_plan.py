@@ -26,7 +26,7 @@ _ON_GRID = 1e-6
 """Part of an interval that a time may lie beside the grid it belongs to."""
 
 
-class Point(NamedTuple):
+class PieceStart(NamedTuple):
     """Where a piece begins: time [s], states and unknowns."""
 
     time: float
@@ -95,7 +95,7 @@ class RunPlan:
     def integrate(
         self,
         kernel: Kernel,
-        begin: Point,
+        begin: PieceStart,
         stop: float,
         *,
         sink: Sink,
@@ -137,7 +137,7 @@ class RunPlan:
     def follow(
         self,
         kernel: Kernel,
-        begin: Point,
+        begin: PieceStart,
         stop: float,
         *,
         count: int,

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.results.store.writer import ResultWriter
-from vehicledyn.road.manoeuvres.channel_recorder import Recording, Rows
+from vehicledyn.road.manoeuvres.channel_recorder import ChannelRows, Recording
 
 Matrix = NDArray[np.float64]
 
@@ -103,11 +103,11 @@ class _RecordingOnDisk(Recording):
         """Number of samples."""
         return self._writer.samples
 
-    def rows(self, names: Iterable[str], start: int, stop: int) -> Rows:
+    def rows(self, names: Iterable[str], start: int, stop: int) -> ChannelRows:
         """Return some channels from one sample up to another."""
         read = self._recording.column
         values = {name: read(name, self._writer, start, stop) for name in names}
-        return Rows(self._writer.column("time", start, stop), values)
+        return ChannelRows(self._writer.column("time", start, stop), values)
 
 
 class _Columns(Mapping[str, Matrix]):

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.analyses.preparation.mass_checks import constraint_notes, nearly_singular_mass
 from vehicledyn.analyses.preparation.model_hash import model_hash
-from vehicledyn.analyses.preparation.prepare import Point
+from vehicledyn.analyses.preparation.prepare import AssembledPoint
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress
 from vehicledyn.analyses.preparation.sources import sources_of
 from vehicledyn.analyses.preparation.validity.bent_beams import BentBeams
@@ -180,7 +180,7 @@ class _Run:
         self._monitors = BentBeams.of(self.prepared), CreepingWheels.of(self.prepared)
 
     def simulate(
-        self, start: Point, output: Path, progress: Progress, known: Restart | None = None
+        self, start: AssembledPoint, output: Path, progress: Progress, known: Restart | None = None
     ) -> None:
         """Integrate and write the result; an error or Ctrl-C closes the file as partial."""
         s = self.loaded.scenario

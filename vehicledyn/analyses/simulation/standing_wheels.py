@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.analyses.preparation.prepare import Point
+from vehicledyn.analyses.preparation.prepare import AssembledPoint
 from vehicledyn.analyses.preparation.prepared import Prepared
 
 _SLOW = 0.1
@@ -29,7 +29,7 @@ _LOCKED = 0.5
 Floats = NDArray[np.float64]
 
 
-def standing_wheels(prepared: Prepared, start: Point) -> list[str]:
+def standing_wheels(prepared: Prepared, start: AssembledPoint) -> list[str]:
     """Return a line about wheels that stand at the start of a run, on rails or on the road."""
     names = [channel.name for channel in prepared.equations.channels]
     if not any(name.endswith((_SPEED, _LOAD)) for name in names):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from vehicledyn.analyses.preparation.prepare import Point
+from vehicledyn.analyses.preparation.prepare import AssembledPoint
 from vehicledyn.analyses.preparation.prepared import Prepared
 from vehicledyn.base.errors import InputError
 
@@ -18,7 +18,7 @@ _CONTACT = re.compile(r"(.+)\.(left|right)\.contact_\d+\.approach")
 _LISTED = 2
 
 
-def refuse_sunk_wheels(prepared: Prepared, start: Point) -> None:
+def refuse_sunk_wheels(prepared: Prepared, start: AssembledPoint) -> None:
     """Raise InputError if wheels lie deeper in their rails at the start than contact explains.
 
     A run whose start is a derailment already ends there, which is a result.
@@ -58,7 +58,7 @@ def refuse_sunk_wheels(prepared: Prepared, start: Point) -> None:
     )
 
 
-def _is_derailed(prepared: Prepared, start: Point) -> bool:
+def _is_derailed(prepared: Prepared, start: AssembledPoint) -> bool:
     values = prepared.kernel.event_values(0.0, start.state, start.unknowns)
     events = prepared.equations.events
     return any(v > 0.0 for e, v in zip(events, values, strict=True) if e.outcome == "derailed")

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.results.tables.tyre_table import COLUMNS, TyreTable, write_tyre
-from vehicledyn.road.tyre_files.tyre_file import Range
+from vehicledyn.road.tyre_files.tyre_file import ValidRange
 from vehicledyn.road.tyres.asked_modes import asked
 from vehicledyn.road.tyres.file_tyre import FileTyre
 from vehicledyn.road.tyres.tyre import Tyre, TyreInput
@@ -168,7 +168,7 @@ def _facts(tyre: FileTyre, table: TyreTable) -> dict[str, Any]:
     }
 
 
-def _outside(ranges: Mapping[str, Range], table: TyreTable) -> list[str]:
+def _outside(ranges: Mapping[str, ValidRange], table: TyreTable) -> list[str]:
     """Return which quantities of the curves lie outside the ranges of the file."""
     found = []
     for name in ("load", "longitudinal_slip", "slip_angle", "camber"):

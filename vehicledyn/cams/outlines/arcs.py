@@ -12,7 +12,7 @@ from pydantic import Field, model_validator
 from vehicledyn.base.parameters import ParameterSet, quantity
 from vehicledyn.base.registry import register
 from vehicledyn.cams.follower import PointFollower
-from vehicledyn.cams.outline import Array, Outline, Reach, Support
+from vehicledyn.cams.outline import Array, CamOutline, Reach, Support
 from vehicledyn.cams.turns import wrapped
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar
@@ -58,7 +58,7 @@ class Edge:
         return np.array(self.centre) + (self.radius + offset) * self.normal(angle)
 
 
-class Edges(Outline):
+class Edges(CamOutline):
     """Base of the outlines that consist of arcs and lines."""
 
     def chain(self) -> tuple[Edge, ...]:

@@ -16,7 +16,7 @@ from vehicledyn.base.parameters import quantity
 from vehicledyn.base.registry import register
 from vehicledyn.cams.follower import PointFollower
 from vehicledyn.cams.geometry import turned
-from vehicledyn.cams.outline import Array, Outline, Reach, Support
+from vehicledyn.cams.outline import Array, CamOutline, Reach, Support
 from vehicledyn.cams.pieces import hermite_table
 from vehicledyn.cams.point_tables import read_point_table
 from vehicledyn.cams.turns import wrapped
@@ -50,7 +50,7 @@ class _Curve(NamedTuple):
 
 
 @register("cam_outline", "points")
-class MeasuredPoints(Outline):
+class MeasuredPoints(CamOutline):
     """A smooth closed curve through measured points, given by their polar angles and radii.
 
     The points are in a CSV file with two columns, ``angle [deg]`` and ``radius [mm]``. The radius

@@ -30,7 +30,7 @@ _SLACK = 2
 
 
 @dataclass(frozen=True)
-class Program:
+class LinearProgram:
     """Rows of a linear program.
 
     Row k writes column ``out[k]`` from ``columns`` and ``which`` weights ``starts[k]`` to
@@ -46,7 +46,7 @@ class Program:
     targets: Index
     fixed: NDArray[np.float64]
 
-    def transposed(self, sources: Sequence[int], one: int) -> Program:
+    def transposed(self, sources: Sequence[int], one: int) -> LinearProgram:
         """Return the program of the adjoints of some sources.
 
         Its own sources are the adjoints of the results; behind them columns keep their order. The
@@ -64,7 +64,7 @@ class Program:
         order = order[np.searchsorted(rows[order], 0) :]
         out = np.concatenate([self.out[::-1], np.array(sources, dtype=np.int32)])
         starts = np.searchsorted(rows[order], np.arange(len(out) + 1))
-        return Program(
+        return LinearProgram(
             n + self.n_columns,
             (n + out).astype(np.int32),
             starts.astype(np.int32),
@@ -74,7 +74,7 @@ class Program:
             self.fixed,
         )
 
-    def joined(self, first: int, count: int) -> Program:
+    def joined(self, first: int, count: int) -> LinearProgram:
         """Return the program in which the first results stand for sources from ``first`` on.
 
         A row that takes such a source must lie behind the result that stands for it.
@@ -83,7 +83,7 @@ class Program:
         stands[first : first + count] = self.targets[:count]
         return replace(self, columns=stands[self.columns])
 
-    def with_values(self, n_kept: int, observed: Program, before: int) -> Program:
+    def with_values(self, n_kept: int, observed: LinearProgram, before: int) -> LinearProgram:
         """Return the program of the first results of this one, and of observed values behind them.
 
         Both have the same sources; the weights of ``observed`` lie behind ``before`` others.
@@ -91,7 +91,7 @@ class Program:
         n_sources = observed.n_columns - len(observed.out)
         own = self.n_columns + np.arange(len(observed.out))
         renamed = np.concatenate([np.arange(n_sources), own]).astype(np.int32)
-        return Program(
+        return LinearProgram(
             self.n_columns + len(own),
             np.concatenate([self.out, renamed[observed.out]]),
             np.concatenate([self.starts, self.starts[-1] + observed.starts[1:]]).astype(np.int32),
@@ -174,13 +174,13 @@ class Writer:
         flat = [item for own in sources.values() for item in own]
         return self.rows(rows, flat), graph.values
 
-    def program(self, targets: Sequence[int], n_inverse: int = 0) -> Program:
+    def program(self, targets: Sequence[int], n_inverse: int = 0) -> LinearProgram:
         """Return what has been written; of ``n_inverse`` places weights are found elsewhere."""
         lists = (self.out, self.starts, self.columns, targets)
         out, starts, columns, ends = (np.array(item, dtype=np.int32) for item in lists)
         numbers = np.array([*self.weights.numbers, 1.0])
         places = self.places(self.which, n_inverse)
-        return Program(self.n_columns, out, starts, columns, places, ends, numbers)
+        return LinearProgram(self.n_columns, out, starts, columns, places, ends, numbers)
 
     def places(self, which: Sequence[int], n_inverse: int) -> Index:
         """Return where weights lie: the expressions, those found elsewhere, the numbers."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from heapq import heapify, heappop, heappush
 
 from vehicledyn.codegen.ir.instructions import CONST, INPUT, RESULT, SHARED, Instruction
-from vehicledyn.codegen.passes.slp_rows import PLACES, Row
+from vehicledyn.codegen.passes.slp_rows import PLACES, PackedRow
 
 CALLED = {
     **{name.upper(): name for name in ("atan", "asin", "acos", "exp", "log", "tanh", "atan2")},
@@ -44,7 +44,7 @@ class Pack:
         return [value for call in self.values for value in call if value is not None]
 
 
-Step = int | Pack | Row
+Step = int | Pack | PackedRow
 """What computes a value, the values of several calls, or those of a row."""
 
 
@@ -86,7 +86,7 @@ def schedule(
     values: list[Instruction],
     results: Iterable[tuple[int, int, int]],
     wanted: list[list[int]],
-    rows: list[Row],
+    rows: list[PackedRow],
 ) -> tuple[list[Step], list[tuple[int, ...]]]:
     """Return the steps, and the values of the rows that they compute.
 
@@ -196,7 +196,9 @@ def _in_rows(
 class _Order:
     """The order of single values and rows, in which every operand comes first."""
 
-    def __init__(self, values: list[Instruction], needed: list[bool], rows: list[Row]) -> None:
+    def __init__(
+        self, values: list[Instruction], needed: list[bool], rows: list[PackedRow]
+    ) -> None:
         self.needed = needed
         self.computed: list[tuple[int, ...]] = []
         self._values = values

@@ -62,7 +62,7 @@ _SWEEPS = 6
 
 
 @dataclass(frozen=True)
-class Row:
+class PackedRow:
     """An operation in several places: its values, and the operands by their position.
 
     ``operation`` is "ADD" or "FMA" for all sums; ``signs`` are those of their two terms by place.
@@ -86,7 +86,7 @@ def find_rows(
     needed: Sequence[bool],
     level: Sequence[int],
     called: Iterable[str],
-) -> list[Row]:
+) -> list[PackedRow]:
     """Return rows of values that no result needs before another.
 
     Parameters
@@ -158,7 +158,7 @@ class _Finder:
                 if len(members) == PLACES:
                     self._grow(tuple(members))
 
-    def rows(self) -> list[Row]:
+    def rows(self) -> list[PackedRow]:
         """Return the rows found, their operands in order."""
         return [self._row(members) for members in self._rows]
 
@@ -245,9 +245,9 @@ class _Finder:
             found.append((operands, signs))
         return found
 
-    def _row(self, members: tuple[int, ...]) -> Row:
+    def _row(self, members: tuple[int, ...]) -> PackedRow:
         aligned = self._aligned(members)
-        return Row(
+        return PackedRow(
             self._kinds[members[0]],
             members,
             list(zip(*[operands for operands, _ in aligned], strict=True)),
@@ -309,10 +309,10 @@ class _Finder:
 def _profitable(
     values: Sequence[Instruction],
     needed: Sequence[bool],
-    rows: list[Row],
+    rows: list[PackedRow],
     taken: set[int],
     called: frozenset[str],
-) -> list[Row]:
+) -> list[PackedRow]:
     """Return the rows without those that the code would be better off without."""
     for _ in range(_SWEEPS):
         kept = _keep(values, needed, rows, taken, called)
@@ -325,10 +325,10 @@ def _profitable(
 def _keep(
     values: Sequence[Instruction],
     needed: Sequence[bool],
-    rows: list[Row],
+    rows: list[PackedRow],
     taken: set[int],
     called: frozenset[str],
-) -> list[Row]:
+) -> list[PackedRow]:
     known = {row.values for row in rows}
     inside = {value for row in rows for value in row.values}
     shares = Counter(operands for row in rows for operands in row.operands)
@@ -341,7 +341,7 @@ def _keep(
             if operands not in known:
                 outside.update(operands)
 
-    def gain(row: Row) -> float:
+    def gain(row: PackedRow) -> float:
         """Return what the row saves beside single operations, at its borders too."""
         if row.operation in called:
             return 1.0

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from vehicledyn.codegen.passes.kernel_functions import KernelFunctions, as_written
-from vehicledyn.codegen.passes.linear_program import INVERSE, Index, Program, Weights, Writer
+from vehicledyn.codegen.passes.linear_program import INVERSE, Index, LinearProgram, Weights, Writer
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.elimination import Condensed, Rows, condense_symmetric
 from vehicledyn.symbolic.equations import Equations
@@ -75,7 +75,7 @@ class StageProgram:
     """
 
     function: Any
-    program: Program
+    program: LinearProgram
     n_unknowns: int
     accelerated: tuple[int, ...]
     solution: Solution
@@ -209,7 +209,7 @@ class PointProgram:
     """
 
     function: Any
-    program: Program
+    program: LinearProgram
 
 
 def point_program(functions: KernelFunctions, expressions: Sequence[Any]) -> PointProgram:

@@ -7,7 +7,7 @@ from collections import Counter
 from vehicledyn.codegen.ir.instructions import ENTRY, Instruction
 from vehicledyn.codegen.passes.lowering import CONDITIONS, LOOKED_UP
 from vehicledyn.codegen.passes.scheduling import Pack, Step, computed_by
-from vehicledyn.codegen.passes.slp_rows import Row
+from vehicledyn.codegen.passes.slp_rows import PackedRow
 from vehicledyn.codegen.printers.call_printer import elementary_calls, shared_calls
 from vehicledyn.codegen.printers.loop_printer import following_packs, loop_lines
 from vehicledyn.codegen.printers.operations import CONDITIONAL, kernel_expression
@@ -35,7 +35,7 @@ class PieceCode:
         """Return the lines that compute steps and store what others need."""
         lines: list[str] = []
         for number, step in enumerate(steps):
-            if isinstance(step, Row):
+            if isinstance(step, PackedRow):
                 lines += self._fours.row_lines(step)
                 continue
             if self._body.rolling.holds(step):

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from vehicledyn.codegen.passes.linear_program import Program
+from vehicledyn.codegen.passes.linear_program import LinearProgram
 
 _PIECE = 100
 """Products a C function holds at most: what is kept between them stays near by."""
@@ -27,7 +27,7 @@ class _Value:
 class _Code:
     """Rows as they are printed: sums by (column, source), weights by number."""
 
-    program: Program
+    program: LinearProgram
     n_sources: int
     pieces: list[list[int]] = field(default_factory=list)
     reach: dict[int, list[int]] = field(default_factory=dict)
@@ -42,7 +42,7 @@ class _Code:
 
 
 def print_jacobian(
-    program: Program, n_sources: int, name: str
+    program: LinearProgram, n_sources: int, name: str
 ) -> tuple[str, list[tuple[int, int]]]:
     """Return C functions ``name(w, j)``, and which derivatives they write, in their order.
 
@@ -104,7 +104,7 @@ def _middle(places: list[int]) -> int:
     return sorted(places)[len(places) // 2] if places else 0
 
 
-def _needed(program: Program) -> list[int]:
+def _needed(program: LinearProgram) -> list[int]:
     """Return the rows that results need."""
     needed, rows = set(map(int, program.targets)), []
     for k in range(len(program.out) - 1, -1, -1):

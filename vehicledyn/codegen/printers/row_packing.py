@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from vehicledyn.codegen.ir.instructions import INPUT
 from vehicledyn.codegen.passes.lowering import CONDITIONS
-from vehicledyn.codegen.passes.slp_rows import PLACES, Row
+from vehicledyn.codegen.passes.slp_rows import PLACES, PackedRow
 from vehicledyn.codegen.printers.operations import CONDITIONAL
 from vehicledyn.codegen.printers.row_printer import row_expression
 from vehicledyn.codegen.printers.value_printer import PieceValues
@@ -19,7 +19,7 @@ class SideBySide:
         self._body, self._place = values.body, values.places.place
         self._collected: dict[tuple[int, ...], str] = {}
 
-    def row_lines(self, row: Row) -> list[str]:
+    def row_lines(self, row: PackedRow) -> list[str]:
         """Return the lines that compute a row and store what others need of it."""
         number = self._body.rows[row.values]
         conditions = CONDITIONAL.get(row.operation, ())

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from vehicledyn.codegen.passes.slp_rows import Row
+from vehicledyn.codegen.passes.slp_rows import PackedRow
 
 _TEMPLATES = {
     "MUL": "{0} * {1}",
@@ -40,7 +40,7 @@ _SUMS = {
 """Sums of two terms with the same signs in all places, and fused sums of a product and a term."""
 
 
-def row_expression(row: Row, given: Sequence[str], is_number: Sequence[bool]) -> str:
+def row_expression(row: PackedRow, given: Sequence[str], is_number: Sequence[bool]) -> str:
     """Return the expression of a row.
 
     Parameters
@@ -60,7 +60,7 @@ def row_expression(row: Row, given: Sequence[str], is_number: Sequence[bool]) ->
     return _TEMPLATES[row.operation].format(*given)
 
 
-def _sum(row: Row, given: Sequence[str]) -> str:
+def _sum(row: PackedRow, given: Sequence[str]) -> str:
     is_fused = row.operation == "FMA"
     alike = set(zip(*row.signs, strict=True))
     if len(alike) == 1 and (pair := alike.pop()) in _SUMS:

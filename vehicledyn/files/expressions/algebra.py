@@ -13,7 +13,7 @@ from vehicledyn.base.units import Unit
 from vehicledyn.symbolic import ops
 
 Algebra = Mapping[str, Callable[..., Any]]
-"""Functions on scalars by name; "number" makes a scalar of a :class:`Quantity`."""
+"""Functions on scalars by name; "number" makes a scalar of a :class:`WrittenNumber`."""
 
 
 class ExpressionError(ValueError):
@@ -21,7 +21,7 @@ class ExpressionError(ValueError):
 
 
 @dataclass(frozen=True)
-class Quantity:
+class WrittenNumber:
     """A number as written, with its unit's text and meaning, both absent for a bare number."""
 
     value: float

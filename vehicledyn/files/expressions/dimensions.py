@@ -10,7 +10,7 @@ from functools import cache, lru_cache
 from typing import Any
 
 from vehicledyn.base.units import missing_unit, parse_unit
-from vehicledyn.files.expressions.algebra import Algebra, ExpressionError, Quantity
+from vehicledyn.files.expressions.algebra import Algebra, ExpressionError, WrittenNumber
 
 Power = int | Fraction
 Powers = tuple[Power, Power, Power, Power]
@@ -116,7 +116,7 @@ def _power(name: str, power: Power) -> str:
     return name if power == 1 else f"{name}^{power}"
 
 
-def _number(quantity: Quantity) -> Measure:
+def _number(quantity: WrittenNumber) -> Measure:
     if quantity.given is None:
         return Measure(_powers((0, 0, 0, 0)), bare=quantity.value, exact=True)
     return Measure(_powers(quantity.given.dimension), exact=True)

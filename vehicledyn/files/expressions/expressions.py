@@ -25,7 +25,7 @@ from vehicledyn.files.expressions.algebra import (
     FUNCTIONS,
     Algebra,
     ExpressionError,
-    Quantity,
+    WrittenNumber,
     apply,
 )
 from vehicledyn.files.expressions.nodes import Node
@@ -140,7 +140,7 @@ def named(name: str, *, sign: float = 1.0) -> Expression:
 
 def zero() -> Expression:
     """Return the number zero."""
-    return Expression(Node(quantity=Quantity(0.0)))
+    return Expression(Node(quantity=WrittenNumber(0.0)))
 
 
 def origin() -> Expression:
@@ -159,7 +159,7 @@ def _read_text(text: str) -> Node:
     alone = _alone(text)
     if alone is not None:
         return Node(quantity=alone)
-    held: list[Quantity] = []
+    held: list[WrittenNumber] = []
 
     def hold(match: re.Match[str]) -> str:
         held.append(_quantity(match[1], match[2]))
@@ -194,7 +194,7 @@ def _refuse_comparison(node: Node) -> None:
         _refuse_comparison(inner)
 
 
-def _alone(text: str) -> Quantity | None:
+def _alone(text: str) -> WrittenNumber | None:
     """Return a number with or without unit, or None if the text is more than that."""
     match = _ALONE.fullmatch(text.strip())
     if match is None or _SPACED_OPERATOR.search(match[2] or ""):
@@ -202,7 +202,7 @@ def _alone(text: str) -> Quantity | None:
     return _quantity(match[1], match[2] or "")
 
 
-def _quantity(number: str, unit: str) -> Quantity:
+def _quantity(number: str, unit: str) -> WrittenNumber:
     try:
         given = parse_unit(unit) if unit else None
     except InputError as error:
@@ -229,14 +229,14 @@ def _is_unit(text: str) -> bool:
     return bool(text)
 
 
-def _bare(number: str | float) -> Quantity:
+def _bare(number: str | float) -> WrittenNumber:
     try:
         value = float(number)
     except OverflowError:
         value = math.inf
     if not math.isfinite(value):
         raise ExpressionError(f"expected a finite number, found '{_shown(str(number))}'")
-    return Quantity(value)
+    return WrittenNumber(value)
 
 
 def _shown(text: str) -> str:
@@ -244,7 +244,7 @@ def _shown(text: str) -> str:
     return text if len(text) <= _MOST_SHOWN else f"{text[:_MOST_SHOWN]}..."
 
 
-def _converted(tree: ast.expr, held: list[Quantity], depth: int = 0) -> Node:
+def _converted(tree: ast.expr, held: list[WrittenNumber], depth: int = 0) -> Node:
     if depth > DEEPEST:
         raise ExpressionError("nested too deeply")
     if isinstance(tree, ast.Name | ast.Attribute):
@@ -282,7 +282,7 @@ def _operation(tree: ast.expr) -> tuple[str, list[ast.expr]]:
     return found
 
 
-def _named(tree: ast.expr, held: list[Quantity]) -> Node:
+def _named(tree: ast.expr, held: list[WrittenNumber]) -> Node:
     parts: list[str] = []
     while isinstance(tree, ast.Attribute):
         parts.append(tree.attr)

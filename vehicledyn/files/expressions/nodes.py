@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from vehicledyn.files.expressions.algebra import Quantity
+from vehicledyn.files.expressions.algebra import WrittenNumber
 
 
 @dataclass(frozen=True)
 class Node:
     """One step of an expression: a number, a name, or a function of other nodes."""
 
-    quantity: Quantity | None = None
+    quantity: WrittenNumber | None = None
     name: str = ""
     function: str = ""
     arguments: tuple[Node, ...] = ()

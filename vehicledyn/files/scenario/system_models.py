@@ -18,7 +18,7 @@ _ON_RAILS = ("creep", "rail_contact")
 _IN_MANOEUVRES = ("manoeuvre", "speed")
 
 
-class Measured(Protocol):
+class HasUnit(Protocol):
     """Something that has a unit."""
 
     @property
@@ -110,7 +110,7 @@ class WrittenModel(Protocol):
         """Unit of each parameter."""
 
     @property
-    def coordinates(self) -> Mapping[str, Measured]:
+    def coordinates(self) -> Mapping[str, HasUnit]:
         """What has a unit, by the names of the coordinates."""
 
 

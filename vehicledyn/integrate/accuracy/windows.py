@@ -15,7 +15,7 @@ import numpy as np
 
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.integrate.simulate import simulate
-from vehicledyn.kernel.engine import Count, March, Method, Rows, Status, Vector
+from vehicledyn.kernel.engine import Count, March, Method, SampleRows, Status, Vector
 from vehicledyn.kernel.kernel import Kernel
 
 STEPS = 4
@@ -158,7 +158,9 @@ class WindowEnds:
         sides = np.zeros(len(e.events), dtype=np.intc)
         span = STEPS * grid.step
         self._march = March(grid.method, 0.0, span, STEPS, state, unknowns, sides=sides)
-        self._rows = Rows(*[np.zeros((2, len(part))) for part in (state, unknowns, e.channels)])
+        self._rows = SampleRows(
+            *[np.zeros((2, len(part))) for part in (state, unknowns, e.channels)]
+        )
 
     def end(self, place: WindowStart, pieces: Pieces) -> Vector | None:
         """Return the channels at the end of a window with some steps.

@@ -19,7 +19,7 @@ from vehicledyn.integrate.casadi_integrators.calls import (
     elapsed_equations,
     stopped_between,
 )
-from vehicledyn.integrate.events import Point
+from vehicledyn.integrate.events import ConsistentPoint
 from vehicledyn.integrate.implicit import implicit_equations
 from vehicledyn.integrate.task import SampleBuffer, Statistics, Task
 from vehicledyn.kernel.engine import Vector
@@ -37,7 +37,7 @@ def run_casadi_with_events(
     """Integrate a task with an integrator of CasADi, from event to event."""
     buffer = SampleBuffer(task, task.state, task.unknowns)
     stretches = _Stretches(task, plugin, options)
-    point, aligned = Point(task.begin, task.state, task.unknowns), True
+    point, aligned = ConsistentPoint(task.begin, task.state, task.unknowns), True
     try:
         while buffer.next_index <= task.n_intervals and not task.watch.ended_by:
             left = task.n_intervals + 1 - buffer.next_index
@@ -51,8 +51,12 @@ def run_casadi_with_events(
 
 
 def _go_on(
-    stretches: _Stretches, task: Task, start: Point, n_intervals: int, buffer: SampleBuffer
-) -> tuple[Point, bool]:
+    stretches: _Stretches,
+    task: Task,
+    start: ConsistentPoint,
+    n_intervals: int,
+    buffer: SampleBuffer,
+) -> tuple[ConsistentPoint, bool]:
     """Return the point after some intervals or the next event, and whether it is a sample."""
     point, watch = start, task.watch
     end = task.time(buffer.next_index + n_intervals - 1)
@@ -77,7 +81,7 @@ class _Stretches:
         self._constants = self._equations.constants(task.kernel.parameters)
         self._made = task.kernel.made.setdefault((plugin, *self._options.items()), {})
 
-    def grid(self, start: Point, end: float, n_intervals: int) -> list[Point]:
+    def grid(self, start: ConsistentPoint, end: float, n_intervals: int) -> list[ConsistentPoint]:
         """Return points up to a time, as close together as the steps that lead there."""
         size = _POINTS * n_intervals
         while True:
@@ -86,10 +90,12 @@ class _Stretches:
                 return points
             size *= _REFINEMENT
 
-    def trials(self, start: Point, end: Point) -> Callable[[float], Point]:
+    def trials(
+        self, start: ConsistentPoint, end: ConsistentPoint
+    ) -> Callable[[float], ConsistentPoint]:
         """Return the points between two points of a grid."""
 
-        def trial(fraction: float) -> Point:
+        def trial(fraction: float) -> ConsistentPoint:
             if fraction in (0.0, 1.0):
                 return end if fraction else start
             time = start.time + fraction * (end.time - start.time)
@@ -97,7 +103,9 @@ class _Stretches:
 
         return trial
 
-    def _run(self, size: int, start: Point, end: float) -> tuple[list[Point], int]:
+    def _run(
+        self, size: int, start: ConsistentPoint, end: float
+    ) -> tuple[list[ConsistentPoint], int]:
         if size not in self._made:
             self._task.progress("deriving the integrator", None)
             self._made[size] = self._make(size)
@@ -115,9 +123,9 @@ class _Stretches:
         guesses = guesses.reshape(size, start.unknowns.size)
         return [self._point(*item) for item in zip(times, states, guesses, strict=True)], steps
 
-    def _point(self, time: float, state: Vector, guess: Vector) -> Point:
+    def _point(self, time: float, state: Vector, guess: Vector) -> ConsistentPoint:
         solved = self._task.kernel.count_solve(time, state, guess, self._task.ledger)
-        return Point(time, state, solved)
+        return ConsistentPoint(time, state, solved)
 
     def _make(self, size: int) -> Any:
         import casadi

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from vehicledyn.base.errors import NumericalError
-from vehicledyn.integrate.events import Point
-from vehicledyn.integrate.explicit_pairs.dop853 import Dop853, Tolerances
+from vehicledyn.integrate.events import ConsistentPoint
+from vehicledyn.integrate.explicit_pairs.dop853 import Dop853, StepTolerances
 from vehicledyn.integrate.explicit_pairs.embedded_pair import EmbeddedPair
 from vehicledyn.integrate.task import SampleBuffer, Statistics, Task
 from vehicledyn.kernel.engine import Vector
@@ -49,10 +49,10 @@ def run_explicit(
         Tolerances of the local error of each state.
     """
 
-    def begin(point: Point) -> Any:
+    def begin(point: ConsistentPoint) -> Any:
         stop = task.time(task.n_intervals)
         if scheme == "DOP853":
-            tolerances = Tolerances(relative_tolerance, absolute_tolerance)
+            tolerances = StepTolerances(relative_tolerance, absolute_tolerance)
             return Dop853(rates, point.time, point.state, stop, tolerances=tolerances)
         return _solver_class(scheme)(
             rates,
@@ -66,12 +66,12 @@ def run_explicit(
     buffer = SampleBuffer(task, task.state, task.unknowns)
     rates = _Rates(task)
     sizes: list[float] = []
-    last: Point | None = None
+    last: ConsistentPoint | None = None
     since_event = 0
     try:
         if task.n_intervals:
             rates.check_start()
-            solver = begin(Point(task.begin, task.state, task.unknowns))
+            solver = begin(ConsistentPoint(task.begin, task.state, task.unknowns))
             while buffer.next_index <= task.n_intervals and not task.watch.ended_by:
                 _advance(solver, rates, task)
                 sizes.append(solver.step_size)
@@ -124,7 +124,7 @@ class _Rates:
         self.accepted, self._end = self.latest.copy(), state.copy()
         self._past = [*self._past, (time, self.accepted)][-_PAST:]
 
-    def start_anew(self, point: Point) -> None:
+    def start_anew(self, point: ConsistentPoint) -> None:
         """Forget the past, as the motion has a corner here."""
         self.accepted, self._end = point.unknowns.copy(), point.state.copy()
         self._past = [(point.time, self.accepted)]
@@ -220,7 +220,9 @@ def _check_prospect(task: Task, solver: Any, sizes: list[float]) -> None:
         )
 
 
-def _watch_step(solver: Any, rates: _Rates, task: Task, buffer: SampleBuffer) -> Point | None:
+def _watch_step(
+    solver: Any, rates: _Rates, task: Task, buffer: SampleBuffer
+) -> ConsistentPoint | None:
     """Return where the motion starts anew if an event fires in the last step.
 
     The watched points are looks into the step, as many as the order of the method: steps of high
@@ -228,10 +230,12 @@ def _watch_step(solver: Any, rates: _Rates, task: Task, buffer: SampleBuffer) ->
     """
     dense, begin, watch = solver.dense_output(), solver.t_old, task.watch
 
-    def trial(time: float) -> Point:
+    def trial(time: float) -> ConsistentPoint:
         state = np.ascontiguousarray(dense(time))
         guess = rates.guess(time, state)
-        return Point(time, state, task.kernel.count_solve(time, state, guess, task.ledger))
+        return ConsistentPoint(
+            time, state, task.kernel.count_solve(time, state, guess, task.ledger)
+        )
 
     for end in np.linspace(solver.t_old, solver.t, solver.order + 1)[1:]:
         point = trial(float(end))
@@ -245,7 +249,7 @@ def _watch_step(solver: Any, rates: _Rates, task: Task, buffer: SampleBuffer) ->
 
 
 def _take_samples_before(
-    time: float, trial: Callable[[float], Point], task: Task, buffer: SampleBuffer
+    time: float, trial: Callable[[float], ConsistentPoint], task: Task, buffer: SampleBuffer
 ) -> None:
     """Enter the samples up to an event; one at its time shows the state after it."""
     while buffer.next_index <= task.n_intervals and task.time(buffer.next_index) < time:

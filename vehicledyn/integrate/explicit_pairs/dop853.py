@@ -31,7 +31,7 @@ _SAFETY, _SMALLEST, _LARGEST = 0.9, 0.2, 10.0
 
 
 @dataclass(frozen=True)
-class Tolerances:
+class StepTolerances:
     """Tolerances of the local error of each state: relative to it [1], and absolute."""
 
     relative: float
@@ -43,7 +43,7 @@ class Tolerances:
 
 
 @dataclass(frozen=True)
-class Start:
+class StepStart:
     """A point to start from: time [s], states and their rates there."""
 
     time: float
@@ -55,8 +55,8 @@ class Start:
 class Trial:
     """A step that has been tried; ``error`` above one is more than the tolerance allows."""
 
-    begin: Start
-    end: Start
+    begin: StepStart
+    end: StepStart
     error: float
     stages: Vector
     rates: Rates
@@ -87,7 +87,7 @@ class Trial:
         return [change, first, second, *(h * (DENSE @ self.stages))]
 
 
-def try_step(rates: Rates, begin: Start, stop: float, tolerances: Tolerances) -> Trial:
+def try_step(rates: Rates, begin: StepStart, stop: float, tolerances: StepTolerances) -> Trial:
     """Take one step up to a time [s] and estimate its error."""
     size = stop - begin.time
     stages = np.empty((ALL_STAGES, begin.state.size))
@@ -95,7 +95,7 @@ def try_step(rates: Rates, begin: Start, stop: float, tolerances: Tolerances) ->
     for k in range(1, STAGES):
         _fill_stage(rates, begin, size, stages, k)
     state = begin.state + size * (WEIGHTS[STAGES, :STAGES] @ stages[:STAGES])
-    end = Start(stop, state, rates(stop, state))
+    end = StepStart(stop, state, rates(stop, state))
     stages[STAGES] = end.rate
     scale = tolerances.scale(np.maximum(np.abs(begin.state), np.abs(state)))
     return Trial(begin, end, _error(stages[: STAGES + 1], size, scale), stages, rates)
@@ -112,7 +112,7 @@ def next_size(trial: Trial, *, refused: bool) -> float:
     return trial.size * min(most, _SAFETY * math.pow(trial.error, -1.0 / _ORDER))
 
 
-def first_size(rates: Rates, begin: Start, longest: float, tolerances: Tolerances) -> float:
+def first_size(rates: Rates, begin: StepStart, longest: float, tolerances: StepTolerances) -> float:
     """Return a size of the first step [s], from the change of the rates along a short way."""
     scale = tolerances.scale(np.abs(begin.state))
     state, rate = _mean_norm(begin.state / scale), _mean_norm(begin.rate / scale)
@@ -138,11 +138,11 @@ class Dop853:
     order = _ORDER
 
     def __init__(
-        self, rates: Rates, time: float, state: Vector, stop: float, *, tolerances: Tolerances
+        self, rates: Rates, time: float, state: Vector, stop: float, *, tolerances: StepTolerances
     ) -> None:
         """Find the size of the first step; there must be somewhere to go."""
         self._rates, self._stop, self._tolerances = rates, stop, tolerances
-        self._here = Start(time, state, rates(time, state))
+        self._here = StepStart(time, state, rates(time, state))
         self._size = first_size(rates, self._here, stop - time, tolerances)
         self._last: Trial | None = None
         self.status = "running"
@@ -190,7 +190,7 @@ class Dop853:
         self.status = "failed"
 
 
-def _fill_stage(rates: Rates, begin: Start, size: float, stages: Vector, k: int) -> None:
+def _fill_stage(rates: Rates, begin: StepStart, size: float, stages: Vector, k: int) -> None:
     state = begin.state + size * (WEIGHTS[k, :k] @ stages[:k])
     stages[k] = rates(begin.time + NODES[k] * size, state)
 

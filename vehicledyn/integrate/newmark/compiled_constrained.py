@@ -13,7 +13,7 @@ import numpy as np
 
 from vehicledyn.codegen.ir.table_rows import TableRows
 from vehicledyn.integrate.course import MethodState
-from vehicledyn.integrate.events import Point
+from vehicledyn.integrate.events import ConsistentPoint
 from vehicledyn.integrate.newmark.compiled_steps import CompiledLoop, StateLayout
 from vehicledyn.integrate.newmark.constrained_place import ConstrainedPlace
 from vehicledyn.integrate.newmark.constrained_steps import ConstrainedSteps
@@ -82,12 +82,12 @@ class CompiledConstrainedSteps(CompiledLoop[ConstrainedPlace]):
         room = 8 * n + 6 * k + 8 * m + 2 + len(self.task.kernel.equations.states)
         return StateLayout(*places, n, n + k, 2 * m, room)
 
-    def start(self, point: Point) -> ConstrainedPlace:
+    def start(self, point: ConsistentPoint) -> ConstrainedPlace:
         """Return the place from which the motion starts, or starts anew."""
         self.record.matrix[0].is_stale = 1
         return self._steps.start(point)
 
-    def resumed(self, point: Point, numbers: Vector) -> ConstrainedPlace:
+    def resumed(self, point: ConsistentPoint, numbers: Vector) -> ConstrainedPlace:
         """Return the place from which a run goes on, see :meth:`ConstrainedSteps.resumed`."""
         return self._steps.resumed(point, numbers)
 
@@ -164,7 +164,7 @@ class CompiledConstrainedSteps(CompiledLoop[ConstrainedPlace]):
             x[list(places)] for places in (e.positions, e.velocities, e.others)
         )
         return ConstrainedPlace(
-            Point(at.time[0], x, z),
+            ConsistentPoint(at.time[0], x, z),
             Instant(at.time[0], position, velocity, rates[:n], forces[:m], other),
             (auxiliary[:n], auxiliary[n:]),
             rates[n:],

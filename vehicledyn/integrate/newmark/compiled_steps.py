@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.integrate.course import MethodState
-from vehicledyn.integrate.events import Point
+from vehicledyn.integrate.events import ConsistentPoint
 from vehicledyn.integrate.newmark.matrix_pattern import matrix_pattern
 from vehicledyn.integrate.newmark.matrix_storage import enter_pattern, matrix_storage
 from vehicledyn.integrate.newmark.reduced_steps import ReducedForm, ReducedPlace
 from vehicledyn.integrate.newmark.weights import Weights
 from vehicledyn.integrate.task import Task
 from vehicledyn.kernel.compiled import CompiledEngine
-from vehicledyn.kernel.engine import Count, Figure, Ledger, Rows, Vector
+from vehicledyn.kernel.engine import Count, Figure, Ledger, SampleRows, Vector
 from vehicledyn.kernel.newmark.newmark_code import (
     FRESH_JACOBIAN,
     NO_JACOBIAN,
@@ -69,11 +69,11 @@ class CompiledLoop(ABC, Generic[P]):
     def _layout(self) -> StateLayout: ...
 
     @abstractmethod
-    def start(self, point: Point) -> P:
+    def start(self, point: ConsistentPoint) -> P:
         """Return the place from which the motion starts, or starts anew."""
 
     @abstractmethod
-    def resumed(self, point: Point, numbers: Vector) -> P:
+    def resumed(self, point: ConsistentPoint, numbers: Vector) -> P:
         """Return the place from which a run goes on whose piece has ended with these numbers."""
 
     @abstractmethod
@@ -114,7 +114,7 @@ class CompiledLoop(ABC, Generic[P]):
         self.settle()
         return self._place("found", self.record.found) if outcome is Outcome.TAKEN else None
 
-    def advance(self, rows: Rows, budget: int) -> Outcome:
+    def advance(self, rows: SampleRows, budget: int) -> Outcome:
         """Take about so many steps and write samples; find Jacobians as they are needed."""
         record = self.record
         record.xs, record.zs, record.ys = (
@@ -221,12 +221,12 @@ class CompiledSteps(CompiledLoop[ReducedPlace]):
         work = 5 * n + 3 * len(e.states) + 2 * len(e.unknowns)
         return StateLayout(*places, n, len(e.states), 0, work)
 
-    def start(self, point: Point) -> ReducedPlace:
+    def start(self, point: ConsistentPoint) -> ReducedPlace:
         """Return the place from which the motion starts, or starts anew."""
         self.record.matrix[0].is_stale = 1
         return self._form.start(point, self.task.ledger)
 
-    def resumed(self, point: Point, numbers: Vector) -> ReducedPlace:
+    def resumed(self, point: ConsistentPoint, numbers: Vector) -> ReducedPlace:
         """Return the place from which a run goes on, see :meth:`ReducedForm.resumed`."""
         return self._form.resumed(point, numbers, self.task.ledger)
 
@@ -261,4 +261,4 @@ class CompiledSteps(CompiledLoop[ReducedPlace]):
             for part in ("x", "z", "rates", "auxiliary", "change", "drift")
         )
         known = (change, drift) if at.size[0] else (None, None)
-        return ReducedPlace(Point(at.time[0], x, z), rates, auxiliary, at.size[0], *known)
+        return ReducedPlace(ConsistentPoint(at.time[0], x, z), rates, auxiliary, at.size[0], *known)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vehicledyn.integrate.events import Point
+from vehicledyn.integrate.events import ConsistentPoint
 from vehicledyn.integrate.newmark.residual_functions import Instant, ResidualFunctions
 from vehicledyn.kernel.engine import Vector
 
@@ -23,7 +23,7 @@ class ConstrainedPlace:
     what it added to a, None where the motion starts: ``bend`` is b there.
     """
 
-    point: Point
+    point: ConsistentPoint
     instant: Instant
     auxiliary: tuple[Vector, Vector]
     other_rate: Vector
@@ -57,7 +57,7 @@ class KnownOfStep:
 
 
 def resumed_place(
-    functions: ResidualFunctions, point: Point, numbers: Vector, *, is_stabilised: bool
+    functions: ResidualFunctions, point: ConsistentPoint, numbers: Vector, *, is_stabilised: bool
 ) -> ConstrainedPlace:
     """Return the place at a point that has these :attr:`ConstrainedPlace.numbers`."""
     n, k, m = functions.sizes
@@ -66,7 +66,7 @@ def resumed_place(
     ends = np.cumsum([1, n, m, n, k, k, m if is_stabilised else 0])
     size, lift, forces, a, r, rate, eta, change = np.split(numbers, ends)
     instant = Instant(point.time, q, v, lift, forces, s)
-    kept = Point(point.time, state.copy(), point.unknowns.copy())
+    kept = ConsistentPoint(point.time, state.copy(), point.unknowns.copy())
     return ConstrainedPlace(kept, instant, (a, r), rate, eta, float(size[0]), change)
 
 

@@ -31,7 +31,7 @@ import numpy as np
 
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.integrate.course import MethodState
-from vehicledyn.integrate.events import Point
+from vehicledyn.integrate.events import ConsistentPoint
 from vehicledyn.integrate.newmark.constrained_place import (
     ConstrainedPlace,
     KnownOfStep,
@@ -139,7 +139,7 @@ class ConstrainedSteps:
     def _parameters(self) -> Vector:
         return self._task.kernel.parameters
 
-    def start(self, point: Point) -> ConstrainedPlace:
+    def start(self, point: ConsistentPoint) -> ConstrainedPlace:
         """Return the place from which the motion starts, or starts anew.
 
         Velocities are put onto the constraints; accelerations and multipliers are those of the
@@ -160,7 +160,7 @@ class ConstrainedSteps:
         a, multiplier = self._matrix.accelerations(partials, at.force, lift)
         self._is_stale = True
         instant = still._replace(acceleration=a, multiplier=multiplier)
-        kept = Point(point.time, state, point.unknowns.copy())
+        kept = ConsistentPoint(point.time, state, point.unknowns.copy())
         auxiliary = a, at.other_rate
         bend = self._bend(instant, partials) if m else None
         correction = np.zeros(m if self.is_stabilised else 0)
@@ -171,7 +171,7 @@ class ConstrainedSteps:
         slope = slope_of_lift(self._functions, at, self._parameters)
         return self._matrix.accelerations(partials, np.zeros_like(at.position), slope)[0]
 
-    def resumed(self, point: Point, numbers: Vector) -> ConstrainedPlace:
+    def resumed(self, point: ConsistentPoint, numbers: Vector) -> ConstrainedPlace:
         """Return the place from which steps go on that end a piece of a run with these numbers."""
         return resumed_place(self._functions, point, numbers, is_stabilised=self.is_stabilised)
 
@@ -254,7 +254,7 @@ class ConstrainedSteps:
         state[list(e.velocities)] = instant.velocity
         state[list(e.others)] = instant.other
         rate = (w.first_order_mass * r + known.lag) / (1.0 - w.alpha_f)
-        point = Point(known.time, state, place.point.unknowns.copy())
+        point = ConsistentPoint(known.time, state, place.point.unknowns.copy())
         change = a - known.old[0]
         return ConstrainedPlace(point, instant, (a, r), rate, eta, known.size, change)
 

@@ -18,7 +18,7 @@ from typing import Any, Generic, Protocol, TypeVar
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.codegen.toolchain.compiler import CompilationError
 from vehicledyn.integrate.course import MethodState
-from vehicledyn.integrate.events import Point
+from vehicledyn.integrate.events import ConsistentPoint
 from vehicledyn.integrate.explicit_pairs.adaptive_run import steepest_state
 from vehicledyn.integrate.fixed_step import steps_per_interval
 from vehicledyn.integrate.newmark.compiled_constrained import CompiledConstrainedSteps
@@ -48,7 +48,7 @@ _ROOM = 0.08
 
 class _AnyPlace(Protocol):
     @property
-    def point(self) -> Point: ...
+    def point(self) -> ConsistentPoint: ...
 
     @property
     def size(self) -> float: ...
@@ -60,9 +60,9 @@ P = TypeVar("P", bound=_AnyPlace)
 class _Steps(Protocol[P]):
     """Takes steps from place to place, on rates or on residuals with multipliers."""
 
-    def start(self, point: Point) -> P: ...
+    def start(self, point: ConsistentPoint) -> P: ...
 
-    def resumed(self, point: Point, numbers: Vector) -> P: ...
+    def resumed(self, point: ConsistentPoint, numbers: Vector) -> P: ...
 
     def carried(self, place: P) -> MethodState: ...
 
@@ -177,7 +177,7 @@ def _run_compiled(
 
 def _begun(task: Task, steps: _Steps[P]) -> P:
     """Return the place from which a task goes on: anew, or as the piece of the run before ended."""
-    point = Point(task.begin, task.state, task.unknowns)
+    point = ConsistentPoint(task.begin, task.state, task.unknowns)
     numbers = None if task.carried is None else task.carried.numbers
     return steps.start(point) if numbers is None else steps.resumed(point, numbers)
 
@@ -229,7 +229,7 @@ def _run(march: _March[P], name: str, step: float) -> Statistics:
     buffer = SampleBuffer(task, task.state, task.unknowns)
     place = _begun(task, march.steps)
     march.halvings = _first_halvings(march.tolerance, task.interval / per_interval, place.size)
-    last: Point | None = None
+    last: ConsistentPoint | None = None
     try:
         while buffer.next_index <= task.n_intervals and not task.watch.ended_by:
             begin = task.time(buffer.next_index - 1)
@@ -306,8 +306,10 @@ def _crossed(task: Task, steps: _Steps[P], place: P, end: float) -> P:
     return steps.start(point)
 
 
-def _trials(task: Task, steps: _Steps[P], place: P, size: float) -> Callable[[float], Point]:
-    def trial(fraction: float) -> Point:
+def _trials(
+    task: Task, steps: _Steps[P], place: P, size: float
+) -> Callable[[float], ConsistentPoint]:
+    def trial(fraction: float) -> ConsistentPoint:
         if fraction <= 0.0:
             return place.point
         found = steps.step(place, place.point.time + fraction * size)

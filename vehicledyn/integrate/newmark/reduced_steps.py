@@ -18,7 +18,7 @@ import numpy as np
 
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.integrate.course import MethodState
-from vehicledyn.integrate.events import Point
+from vehicledyn.integrate.events import ConsistentPoint
 from vehicledyn.integrate.newmark.matrix_pattern import matrix_pattern
 from vehicledyn.integrate.newmark.weights import Weights
 from vehicledyn.integrate.task import Task
@@ -45,7 +45,7 @@ class ReducedPlace:
     None where the motion starts.
     """
 
-    point: Point
+    point: ConsistentPoint
     rates: Vector
     auxiliary: Vector
     size: float
@@ -73,13 +73,15 @@ class ReducedForm:
         self.gamma = np.where(second, w.gamma, w.first_order_gamma)
         self.pairs = np.searchsorted(self.rows, self.velocities)
 
-    def start(self, point: Point, ledger: Ledger) -> ReducedPlace:
+    def start(self, point: ConsistentPoint, ledger: Ledger) -> ReducedPlace:
         """Return the place from which the motion starts, or starts anew."""
         unknowns = point.unknowns.copy()
         rates = self._kernel.evaluate(point.time, point.state, unknowns, ledger)
-        return ReducedPlace(Point(point.time, point.state, unknowns), rates, rates[self.rows], 0.0)
+        return ReducedPlace(
+            ConsistentPoint(point.time, point.state, unknowns), rates, rates[self.rows], 0.0
+        )
 
-    def resumed(self, point: Point, numbers: Vector, ledger: Ledger) -> ReducedPlace:
+    def resumed(self, point: ConsistentPoint, numbers: Vector, ledger: Ledger) -> ReducedPlace:
         """Return the place from which steps go on that end a piece of a run with these numbers."""
         begun, n = self.start(point, ledger), len(self.rows)
         size, lead, change, drift = np.split(numbers, [1, 1 + n, 1 + 2 * n])
@@ -94,7 +96,7 @@ class ReducedForm:
         lead = place.auxiliary - place.rates[self.rows]
         return np.concatenate([[place.size], lead, place.change, place.drift])
 
-    def jacobian(self, point: Point) -> Vector:
+    def jacobian(self, point: ConsistentPoint) -> Vector:
         """Return the derivatives of the rates of the rows by all states, along closed loops."""
         kernel = self._kernel
         if "total derivatives" not in kernel.made:
@@ -138,12 +140,12 @@ class ReducedSteps:
         self._size = 0.0
         self._is_stale = True
 
-    def start(self, point: Point) -> ReducedPlace:
+    def start(self, point: ConsistentPoint) -> ReducedPlace:
         """Return the place from which the motion starts, or starts anew."""
         self._is_stale = True
         return self._form.start(point, self._task.ledger)
 
-    def resumed(self, point: Point, numbers: Vector) -> ReducedPlace:
+    def resumed(self, point: ConsistentPoint, numbers: Vector) -> ReducedPlace:
         """Return the place from which a run goes on, see :meth:`ReducedForm.resumed`."""
         return self._form.resumed(point, numbers, self._task.ledger)
 
@@ -187,7 +189,7 @@ class ReducedSteps:
                 return None
             contraction = size / before if iteration else 0.0
             self._is_stale = self._is_stale or (contraction > _SLOW and size > _ROUNDING)
-            reached = self._reached(Point(end, x + moved, z), new, known, old, place)
+            reached = self._reached(ConsistentPoint(end, x + moved, z), new, known, old, place)
             allowed = min(max(w.share * self.error(place, reached), _CLOSE), _COARSEST)
             settled = size * contraction / max(1.0 - contraction, 1e-3) < allowed and iteration
             if settled or size == 0.0 or (contraction > 0.5 and size < _ROUNDING):
@@ -206,7 +208,7 @@ class ReducedSteps:
             self._is_stale = True
 
     def _reached(
-        self, point: Point, new: Vector, known: Vector, old: Vector, before: ReducedPlace
+        self, point: ConsistentPoint, new: Vector, known: Vector, old: Vector, before: ReducedPlace
     ) -> ReducedPlace:
         """Return the end of a step, with the rates that it demands there."""
         rates = np.zeros(len(point.state))
@@ -233,7 +235,7 @@ class ReducedSteps:
         x[self._positions] += h * (state[self._velocities] + h * bend)
         return x
 
-    def _prepare(self, point: Point, h: float) -> None:
+    def _prepare(self, point: ConsistentPoint, h: float) -> None:
         """Find Jacobian and factors where they are missing, stale or of another size."""
         from scipy.linalg import lu_factor  # slow to import, so only where it is needed
 

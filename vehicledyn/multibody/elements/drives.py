@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from vehicledyn.multibody.model.parts import BasePart, Clock, Loads, Motion, Situation
+from vehicledyn.multibody.model.parts import BasePart, Clock, DrivenMotion, Loads, Situation
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar
 
@@ -23,10 +23,10 @@ class TimeLaw(BasePart):
     coordinate: str
     law: Callable[[Scalar], Scalar]
 
-    def motions(self, clock: Clock) -> dict[str, Motion]:
+    def motions(self, clock: Clock) -> dict[str, DrivenMotion]:
         """Return q(t) and its rate."""
         position, velocity, _ = self._law(clock.time)
-        return {self.coordinate: Motion(position, velocity)}
+        return {self.coordinate: DrivenMotion(position, velocity)}
 
     def loads(self, situation: Situation) -> Loads:
         """Return the acceleration of the coordinate."""
@@ -45,6 +45,6 @@ class ConstantRate(BasePart):
     coordinate: str
     rate: Scalar
 
-    def motions(self, clock: Clock) -> dict[str, Motion]:
+    def motions(self, clock: Clock) -> dict[str, DrivenMotion]:
         """Return rate · t and the rate."""
-        return {self.coordinate: Motion(self.rate * clock.time, self.rate)}
+        return {self.coordinate: DrivenMotion(self.rate * clock.time, self.rate)}

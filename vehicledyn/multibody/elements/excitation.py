@@ -16,8 +16,8 @@ from vehicledyn.multibody.model.cuts import Cut
 from vehicledyn.multibody.model.parts import (
     BasePart,
     Clock,
+    DrivenMotion,
     Loads,
-    Motion,
     Output,
     Part,
     PartEvent,
@@ -29,7 +29,7 @@ from vehicledyn.symbolic.parameters import ParameterTable
 
 
 @dataclass(frozen=True)
-class Signal:
+class SmallInput:
     """A small input u with its rates, and the names of the parameters that stand for them."""
 
     names: tuple[str, str, str]
@@ -38,7 +38,7 @@ class Signal:
     acceleration: Scalar
 
     @classmethod
-    def enter(cls, table: ParameterTable, name: str, unit: str) -> Signal:
+    def enter(cls, table: ParameterTable, name: str, unit: str) -> SmallInput:
         """Return a signal whose three symbols are new parameters, zero at the start."""
         names = (name, f"{name}.rate", f"{name}.acceleration")
         units = (unit, f"{unit}/s", f"{unit}/s^2")
@@ -55,11 +55,11 @@ class HeldDrive(BasePart):
 
     coordinate: str
     position: Scalar
-    signal: Signal
+    signal: SmallInput
 
-    def motions(self, clock: Clock) -> dict[str, Motion]:
+    def motions(self, clock: Clock) -> dict[str, DrivenMotion]:
         """Return position and rate."""
-        return {self.coordinate: Motion(self.position + self.signal.value, self.signal.rate)}
+        return {self.coordinate: DrivenMotion(self.position + self.signal.value, self.signal.rate)}
 
     def loads(self, situation: Situation) -> Loads:
         """Return the acceleration."""
@@ -72,7 +72,7 @@ class MovedDrive:
 
     inner: Part
     coordinate: str
-    signal: Signal
+    signal: SmallInput
 
     @property
     def name(self) -> str:
@@ -107,11 +107,13 @@ class MovedDrive:
         """Return what the part finds for them."""
         return self.inner.found_reactions(situation)
 
-    def motions(self, clock: Clock) -> dict[str, Motion]:
+    def motions(self, clock: Clock) -> dict[str, DrivenMotion]:
         """Return the motions of the part, the coordinate's with the signal."""
         motions = dict(self.inner.motions(clock))
         own, signal = motions[self.coordinate], self.signal
-        motions[self.coordinate] = Motion(own.position + signal.value, own.velocity + signal.rate)
+        motions[self.coordinate] = DrivenMotion(
+            own.position + signal.value, own.velocity + signal.rate
+        )
         return motions
 
     def loads(self, situation: Situation) -> Loads:

@@ -23,7 +23,7 @@ from vehicledyn.multibody.equations.singular_mass import Resistance, refuse_idle
 from vehicledyn.multibody.loops.closure import Closure, MultiplierClosure
 from vehicledyn.multibody.loops.loop_closure import AssemblyState, Loops, close
 from vehicledyn.multibody.model.kinematics import Kinematics
-from vehicledyn.multibody.model.parts import Loads, Motion, loads_of
+from vehicledyn.multibody.model.parts import DrivenMotion, Loads, loads_of
 from vehicledyn.multibody.model.symbols import Symbols, declare, motions
 from vehicledyn.multibody.model.system import System
 from vehicledyn.multibody.model.tree import Tree, unfold
@@ -104,7 +104,7 @@ class Derivation:
     projection: Projection | None = None
 
     @property
-    def moved(self) -> dict[str, Motion]:
+    def moved(self) -> dict[str, DrivenMotion]:
         """Motions of the driven coordinates by name."""
         return self.replacement.moved
 

@@ -18,7 +18,7 @@ from vehicledyn.multibody.equations.assemble_equations import roles_of
 from vehicledyn.multibody.equations.derivation import derive
 from vehicledyn.multibody.loops.loop_closure import close
 from vehicledyn.multibody.model.bodies import Body, Joint
-from vehicledyn.multibody.model.parts import BasePart, Clock, Loads, Motion, Situation
+from vehicledyn.multibody.model.parts import BasePart, Clock, DrivenMotion, Loads, Situation
 from vehicledyn.multibody.model.symbols import declare, motions
 from vehicledyn.multibody.model.system import System, refuse_quaternions
 from vehicledyn.multibody.model.tree import unfold
@@ -51,10 +51,10 @@ class PrescribedMotion(BasePart):
             ]
         return tuple(found)
 
-    def motions(self, clock: Clock) -> dict[str, Motion]:
+    def motions(self, clock: Clock) -> dict[str, DrivenMotion]:
         """Return the given positions and rates."""
         given = clock.states
-        return {j.name: Motion(given[j.name], given[f"{j.name}_rate"]) for j in self.joints}
+        return {j.name: DrivenMotion(given[j.name], given[f"{j.name}_rate"]) for j in self.joints}
 
     def loads(self, situation: Situation) -> Loads:
         """Return the given accelerations."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
-from vehicledyn.multibody.model.parts import Loads, Motion, Part, Situation, loads_of
+from vehicledyn.multibody.model.parts import DrivenMotion, Loads, Part, Situation, loads_of
 from vehicledyn.multibody.model.symbols import Symbols
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar
@@ -59,7 +59,7 @@ class Replacement:
     """Puts motions of driven coordinates, and what surroundings hand over, in place of symbols."""
 
     symbols: Symbols
-    moved: dict[str, Motion]
+    moved: dict[str, DrivenMotion]
     handed: Handed = field(default_factory=Handed)
 
     def __call__(self, expression: Scalar) -> Scalar:

@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Row:
+class ConstraintRow:
     """One residual with the cut or constraint it belongs to.
 
     ``frame`` names the axes of its force, ``is_holonomic`` whether it is one of the coordinates
@@ -53,7 +53,7 @@ class Row:
         return f"{self.cut}.{self.residual.force_channel}".rstrip(".")
 
 
-def rows_of_system(system: System, bare: Kinematics, time: Scalar) -> list[Row]:
+def rows_of_system(system: System, bare: Kinematics, time: Scalar) -> list[ConstraintRow]:
     """Return the residuals of all cuts and constraints, holonomic ones first.
 
     ``bare`` is the kinematics at symbolic coordinates and rates; it keeps what the cuts evaluate.
@@ -64,15 +64,16 @@ def rows_of_system(system: System, bare: Kinematics, time: Scalar) -> list[Row]:
     for cut in system.cuts:
         frame = tree.link_name(tree.common_ancestor(cut.body_a, cut.body_b))
         for moving in moving_residuals(cut, bare, from_ancestor):
-            rows.append(Row(cut.name, moving.residual, frame, moving=moving))
+            rows.append(ConstraintRow(cut.name, moving.residual, frame, moving=moving))
     geometry, movement = Geometry(time, bare), Movement(time, bare)
     for constraint in system.constraints:
         with frames.naming("constraint", constraint.name):
-            rows.extend(Row(constraint.name, r) for r in constraint.residuals(geometry))
+            rows.extend(ConstraintRow(constraint.name, r) for r in constraint.residuals(geometry))
     for constraint in system.constraints:
         with frames.naming("constraint", constraint.name):
             rows.extend(
-                Row(constraint.name, r, is_holonomic=False) for r in constraint.speeds(movement)
+                ConstraintRow(constraint.name, r, is_holonomic=False)
+                for r in constraint.speeds(movement)
             )
     return rows
 
@@ -93,7 +94,7 @@ class Derivatives:
 class Gaps:
     """Residuals and Jacobian of all rows, as expressions and as numbers."""
 
-    def __init__(self, system: System, symbols: Symbols, rows: list[Row]) -> None:
+    def __init__(self, system: System, symbols: Symbols, rows: list[ConstraintRow]) -> None:
         """Differentiate the rows.
 
         Raises
@@ -201,7 +202,9 @@ class Gaps:
         return [*_scalars(rate), *_scalars(self._drift)]
 
 
-def _check(rows: list[Row], expressions: list[Scalar], symbols: Symbols, known: Scalar) -> None:
+def _check(
+    rows: list[ConstraintRow], expressions: list[Scalar], symbols: Symbols, known: Scalar
+) -> None:
     """Refuse rates where none may be, and symbols that a constraint cannot know."""
     rates = symbols.rate_column
     for row, expression in zip(rows, expressions, strict=True):

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any, cast
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.multibody.loops.constraint_equations import Row
+from vehicledyn.multibody.loops.constraint_equations import ConstraintRow
 from vehicledyn.multibody.model.constraints import Geometry, Movement
 from vehicledyn.multibody.model.cuts import Residual
 from vehicledyn.multibody.model.kinematics import Kinematics
@@ -37,7 +37,7 @@ class UnitAction:
 
 
 def unit_actions(
-    system: System, rows: Sequence[Row], kinematics: Kinematics, time: Scalar
+    system: System, rows: Sequence[ConstraintRow], kinematics: Kinematics, time: Scalar
 ) -> list[UnitAction]:
     """Return what each row of the cuts and constraints of a system does.
 

@@ -19,12 +19,12 @@ from vehicledyn.multibody.loops.configuration import (
     refuse_singular,
     warn_weak,
 )
-from vehicledyn.multibody.loops.constraint_equations import Gaps, Row, rows_of_system
+from vehicledyn.multibody.loops.constraint_equations import ConstraintRow, Gaps, rows_of_system
 from vehicledyn.multibody.loops.partition import Partition
 from vehicledyn.multibody.loops.redundancy import SelfStress, self_stresses
 from vehicledyn.multibody.model.constraints import BaseConstraint, Geometry
 from vehicledyn.multibody.model.kinematics import Kinematics
-from vehicledyn.multibody.model.parts import Motion
+from vehicledyn.multibody.model.parts import DrivenMotion
 from vehicledyn.multibody.model.symbols import Symbols, locked
 from vehicledyn.multibody.model.system import System
 from vehicledyn.multibody.model.tree import Tree, unfold
@@ -53,7 +53,7 @@ class Loops:
     freedom.
     """
 
-    constraints: list[Row]
+    constraints: list[ConstraintRow]
     positions: Partition
     closure: Closure | MultiplierClosure
     start: dict[str, float]
@@ -84,7 +84,7 @@ def close(
     system: System,
     tree: Tree,
     symbols: Symbols,
-    motion: dict[str, Motion],
+    motion: dict[str, DrivenMotion],
     moment: AssemblyState | None = None,
 ) -> Loops:
     """Assemble the loops, partition the coordinates and derive the closure.
@@ -138,7 +138,7 @@ def close(
 
 
 def start_values(
-    system: System, symbols: Symbols, motion: dict[str, Motion], moment: AssemblyState
+    system: System, symbols: Symbols, motion: dict[str, DrivenMotion], moment: AssemblyState
 ) -> Array:
     """Return the start values of all coordinates, driven ones from their motion."""
     values = np.array([entry.value for entry in system.table.entries])
@@ -146,7 +146,7 @@ def start_values(
 
 
 def starts_at(
-    system: System, symbols: Symbols, motion: dict[str, Motion]
+    system: System, symbols: Symbols, motion: dict[str, DrivenMotion]
 ) -> Callable[[AssemblyState, Array], Array]:
     """Return what gives these start values at a moment and values of all parameters."""
     states = [s for part in symbols.states.values() for s in part.values()]

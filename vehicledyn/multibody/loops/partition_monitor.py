@@ -24,7 +24,7 @@ REGULAR = 1e-3
 
 
 @dataclass(frozen=True)
-class Comparison:
+class PartitionComparison:
     """A partition and the best one at a configuration.
 
     ``leverage`` is the largest rate that an independent rate of one gives a dependent one with
@@ -143,7 +143,9 @@ class PartitionMonitor:
             return np.zeros(len(times))
         return np.asarray(np.linalg.det(jacobians[:, rows][:, :, columns]))
 
-    def compare(self, time: float, values: dict[str, float], dependent: list[str]) -> Comparison:
+    def compare(
+        self, time: float, values: dict[str, float], dependent: list[str]
+    ) -> PartitionComparison:
         """Compare the partition with these dependent rates with the best one.
 
         Parameters
@@ -163,7 +165,7 @@ class PartitionMonitor:
         self._rows.setdefault(tuple(columns), [row for row, _ in pairs])
         now = self._leverages(jacobian, [names.index(n) for n in dependent], moving)
         best = self._leverages(jacobian, columns, moving)
-        return Comparison(
+        return PartitionComparison(
             float(now.max(initial=0.0)),
             float(best.max(initial=0.0)),
             tuple(names[c] for c in sorted(columns)),

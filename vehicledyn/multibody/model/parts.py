@@ -74,7 +74,7 @@ class TransmittedForces(Protocol):
 
 
 @dataclass(frozen=True)
-class Motion:
+class DrivenMotion:
     """Position and velocity of a driven coordinate; its acceleration comes with the loads."""
 
     position: Scalar
@@ -233,7 +233,7 @@ class Part(Protocol):
     def found_reactions(self, situation: Situation) -> tuple[Scalar, ...]:
         """Return these forces as the solved motion gives them, in the order of ``reactions``."""
 
-    def motions(self, clock: Clock) -> dict[str, Motion]:
+    def motions(self, clock: Clock) -> dict[str, DrivenMotion]:
         """Return position and velocity of the coordinates that the part drives."""
 
     def loads(self, situation: Situation) -> Loads:
@@ -283,7 +283,7 @@ class BasePart:
         """Find none."""
         return ()
 
-    def motions(self, clock: Clock) -> dict[str, Motion]:
+    def motions(self, clock: Clock) -> dict[str, DrivenMotion]:
         """Drive nothing."""
         return {}
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from vehicledyn.base.errors import InputError
 from vehicledyn.multibody.model.bodies import Joint
 from vehicledyn.multibody.model.kinematics import Kinematics
-from vehicledyn.multibody.model.parts import Clock, Motion, Part, Situation, TransmittedForces
+from vehicledyn.multibody.model.parts import Clock, DrivenMotion, Part, Situation, TransmittedForces
 from vehicledyn.multibody.model.system import System
 from vehicledyn.multibody.model.tree import Tree
 from vehicledyn.symbolic import ops
@@ -124,7 +124,7 @@ def _named(part: str, variables: tuple[Variable, ...]) -> dict[str, Scalar]:
     return {v.name: ops.symbol(f"{part}.{v.name}") for v in variables}
 
 
-def motions(system: System, symbols: Symbols) -> dict[str, Motion]:
+def motions(system: System, symbols: Symbols) -> dict[str, DrivenMotion]:
     """Return the motion of every driven coordinate; undriven ones stay at their start.
 
     Raises
@@ -133,7 +133,9 @@ def motions(system: System, symbols: Symbols) -> dict[str, Motion]:
         If two parts drive a coordinate, or one drives a coordinate that is not "driven".
     """
     held = {j.name: j.start for j in symbols.joints if j.role == "driven"}
-    driven = {name: Motion(system.starts.get(name, start), 0.0) for name, start in held.items()}
+    driven = {
+        name: DrivenMotion(system.starts.get(name, start), 0.0) for name, start in held.items()
+    }
     owners: dict[str, Part] = {}
     for part in system.parts:
         for name, motion in part.motions(Clock(symbols.time, symbols.states[part.name])).items():
@@ -146,7 +148,8 @@ def motions(system: System, symbols: Symbols) -> dict[str, Motion]:
             owners[name] = part
             driven[name] = motion
     return {
-        name: Motion(ops.scalar(m.position), ops.scalar(m.velocity)) for name, m in driven.items()
+        name: DrivenMotion(ops.scalar(m.position), ops.scalar(m.velocity))
+        for name, m in driven.items()
     }
 
 

@@ -6,10 +6,10 @@ import hashlib
 
 import numpy as np
 
-from vehicledyn.rail.geometry.contact_geometry import Rail, Wheel
+from vehicledyn.rail.geometry.contact_geometry import MountedWheel, Rail
 
 
-def identity_of(wheel: Wheel, rail: Rail) -> str:
+def identity_of(wheel: MountedWheel, rail: Rail) -> str:
     """Return a digest of the shapes and places of a wheel and its rail."""
     numbers = (wheel.radius, wheel.half_distance, rail.inclination, *rail.origin)
     digest = hashlib.sha256(repr((wheel.profile.name, rail.profile.name, numbers)).encode())

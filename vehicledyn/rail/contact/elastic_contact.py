@@ -42,7 +42,7 @@ import numpy as np
 from vehicledyn.rail.contact.elastic_patch import ElasticPatch
 from vehicledyn.rail.contact.neighbouring_contacts import neighbours
 from vehicledyn.rail.contact.wheel_grid import WheelGrid, wheel_grid
-from vehicledyn.rail.geometry.contact_geometry import Rail, Wheel
+from vehicledyn.rail.geometry.contact_geometry import MountedWheel, Rail
 from vehicledyn.rail.geometry.hertz import hertz
 from vehicledyn.rail.profiles.profile_pieces import Floats
 from vehicledyn.symbolic import ops
@@ -117,7 +117,7 @@ class ElasticContact:
     functions: dict[Hashable, Any] = field(default_factory=dict, compare=False, repr=False)
 
     @staticmethod
-    def of(wheel: Wheel, rail: Rail, attack: float = 0.0) -> ElasticContact:
+    def of(wheel: MountedWheel, rail: Rail, attack: float = 0.0) -> ElasticContact:
         """Return the contact of a wheel and its rail, with windows up to an angle of attack [rad].
 
         Raises
@@ -317,7 +317,7 @@ def _surface(rail: Rail) -> tuple[CurveTable, float]:
     return table, float(y[first])
 
 
-def _profile(wheel: Wheel, grid: WheelGrid) -> tuple[CurveTable, CurveTable]:
+def _profile(wheel: MountedWheel, grid: WheelGrid) -> tuple[CurveTable, CurveTable]:
     """Return lateral coordinate and height of a profile over the length along the grid."""
     count = int(np.ceil(grid.along[-1] / _WHEEL_STEP))
     step = float(grid.along[-1]) / count

@@ -15,7 +15,7 @@ from vehicledyn.symbolic.ops import Scalar
 from vehicledyn.symbolic.parameters import ParameterTable
 
 if TYPE_CHECKING:
-    from vehicledyn.rail.geometry.contact_geometry import Rail, Wheel
+    from vehicledyn.rail.geometry.contact_geometry import MountedWheel, Rail
     from vehicledyn.rail.profiles.profile import Profile
 
 
@@ -87,17 +87,17 @@ class RailWheels:
         InputError
             If its flanges are on the rails there, or a wheel not on its rail.
         """
-        from vehicledyn.rail.geometry.contact_geometry import Wheel
+        from vehicledyn.rail.geometry.contact_geometry import MountedWheel
         from vehicledyn.rail.geometry.gauge_fit import check_fit
         from vehicledyn.rail.geometry.wheelset_geometry import WheelsetOnTrack
 
         if len(self.sides) == 1:
             return
-        wheel = Wheel(self.profile, self.radius_number, tape_circle)
+        wheel = MountedWheel(self.profile, self.radius_number, tape_circle)
         rail = self.geometry()[1]
         check_fit(WheelsetOnTrack(wheel, wheel, rail, rail), self.track.gauge)
 
-    def geometry(self) -> tuple[Wheel, Rail]:
+    def geometry(self) -> tuple[MountedWheel, Rail]:
         """Return wheel and rail as numbers, the tape circle over the rail's axis.
 
         Raises
@@ -105,13 +105,13 @@ class RailWheels:
         InputError
             If there is no such profile of a rail.
         """
-        from vehicledyn.rail.geometry.contact_geometry import Wheel, place_rail
+        from vehicledyn.rail.geometry.contact_geometry import MountedWheel, place_rail
         from vehicledyn.rail.profiles.open_profile import open_profile
 
         track = self.track
         profile = open_profile(track.rail, "rail", track.rail_reading)
         rail = place_rail(profile, track.inclination, track.gauge, track.gauge_depth)
-        return Wheel(self.profile, self.radius_number, rail.origin[0]), rail
+        return MountedWheel(self.profile, self.radius_number, rail.origin[0]), rail
 
 
 class RailContact(ParameterSet):

@@ -10,7 +10,7 @@ import numpy as np
 from vehicledyn.multibody.model.constraints import BaseConstraint, Geometry
 from vehicledyn.multibody.model.cuts import Residual
 from vehicledyn.multibody.model.kinematics import Kinematics
-from vehicledyn.rail.contact.rigid_touch import Touch, TouchingWheel, touch_at
+from vehicledyn.rail.contact.rigid_touch import RigidTouch, TouchingWheel, touch_at
 from vehicledyn.rail.track.running import rail_place
 from vehicledyn.rail.track.track import Side, Track, TrackFrame
 from vehicledyn.symbolic import ops
@@ -142,7 +142,7 @@ class TouchConstraint(BaseConstraint):
             place = place - ops.minimum(ops.maximum(moved, -_TANGENT_REACH), _TANGENT_REACH)
         return place
 
-    def touch(self, kinematics: Kinematics, place: Scalar | None = None) -> Touch:
+    def touch(self, kinematics: Kinematics, place: Scalar | None = None) -> RigidTouch:
         """Return a point of the wheel that may touch, in the axes of the track.
 
         It is that at the contact coordinate, or at another place on the wheel [m].

@@ -7,7 +7,7 @@ import numpy as np
 from vehicledyn.base.errors import InputError
 from vehicledyn.rail.contact.rigid_contact import RigidWheel
 from vehicledyn.rail.contact.rigid_touch import TouchingWheel
-from vehicledyn.rail.geometry.contact_geometry import Pose, Rail, Wheel, wheel_standing
+from vehicledyn.rail.geometry.contact_geometry import MountedWheel, Pose, Rail, wheel_standing
 from vehicledyn.rail.profiles.outline import TableOutline
 from vehicledyn.rail.profiles.profile_pieces import QuinticTable
 from vehicledyn.rail.track.track import Side
@@ -26,7 +26,7 @@ _LEAP = 4.0 * _SHIFT_STEP
 
 
 def rigid_wheels(
-    wheel: Wheel,
+    wheel: MountedWheel,
     rail: Rail,
     sides: tuple[Side, ...],
     *,
@@ -77,7 +77,7 @@ def outline(name: str, table: QuinticTable) -> TableOutline:
     return TableOutline(CurveTable.through(name, table.begin, OUTLINE_STEP, heights))
 
 
-def visited_places(wheel: Wheel, rail: Rail) -> list[float]:
+def visited_places(wheel: MountedWheel, rail: Rail) -> list[float]:
     """Return where a wheel touches its rail, from inner to outer shifts of some centimetres [m].
 
     Contacts at ends of profiles are left out.

@@ -62,7 +62,7 @@ class TouchingWheel:
 
 
 @dataclass(frozen=True)
-class Touch:
+class RigidTouch:
     """A point of a wheel that may touch: place, outlines there and what must vanish.
 
     Attributes
@@ -106,7 +106,7 @@ def touch_at(
     curvature: Scalar = 0.0,
     shift: tuple[Scalar, Scalar] = (0.0, 0.0),
     slopes: tuple[Scalar, Scalar] = (0.0, 0.0),
-) -> Touch:
+) -> RigidTouch:
     """Return the point of a wheel at a place of its outline that may touch the rail.
 
     Parameters
@@ -142,7 +142,7 @@ def touch_at(
     leaning = item.side * rail.slope
     climb = slopes[1] - leaning * slopes[0]
     upward = ops.vector(leaning * heading - climb, -leaning, 1.0)
-    return Touch(
+    return RigidTouch(
         point=point + ops.vector(radius * climb, 0.0, 0.0),
         gap=point[2] - rail.height - shift[1],
         tangency=item.side * (normal[1] - heading * normal[0]) + rail.slope * normal[2],

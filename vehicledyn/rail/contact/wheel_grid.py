@@ -25,7 +25,13 @@ from numpy.typing import NDArray
 from vehicledyn.base.bounded_cache import BoundedCache
 from vehicledyn.base.errors import InputError
 from vehicledyn.rail.contact.contact_identity import identity_of
-from vehicledyn.rail.geometry.contact_geometry import Pose, Rail, Wheel, silhouette, wheel_above
+from vehicledyn.rail.geometry.contact_geometry import (
+    MountedWheel,
+    Pose,
+    Rail,
+    silhouette,
+    wheel_above,
+)
 from vehicledyn.rail.profiles.profile_pieces import Floats
 
 LEAST_BARRIER = 1e-5
@@ -123,7 +129,7 @@ def largest_attack(curvature: float, nearest: float = 0.0) -> float:
     return max(LEVER, nearest) * curvature
 
 
-def wheel_grid(wheel: Wheel, rail: Rail, attack: float = 0.0) -> WheelGrid:
+def wheel_grid(wheel: MountedWheel, rail: Rail, attack: float = 0.0) -> WheelGrid:
     """Return the places of a wheel that can meet a rail, near enough to each other for contacts.
 
     Parameters
@@ -158,17 +164,17 @@ def wheel_grid(wheel: Wheel, rail: Rail, attack: float = 0.0) -> WheelGrid:
     return WheelGrid(place, z, slope, lengths, np.gradient(lengths), shares, attack)
 
 
-def count_windows(wheel: Wheel, rail: Rail, attack: float) -> int:
+def count_windows(wheel: MountedWheel, rail: Rail, attack: float) -> int:
     """Return how many windows the grid of a wheel has for an angle of attack [rad]."""
     return 1 + len(_borders(wheel, rail, _rolled(wheel, rail), attack))
 
 
-def _rolled(wheel: Wheel, rail: Rail) -> _Rolled:
+def _rolled(wheel: MountedWheel, rail: Rail) -> _Rolled:
     """Return where a wheel without roll touches its rail, from far in to far out."""
     return _ROLLED.get(identity_of(wheel, rail), lambda: _roll(wheel, rail))
 
 
-def _roll(wheel: Wheel, rail: Rail) -> _Rolled:
+def _roll(wheel: MountedWheel, rail: Rail) -> _Rolled:
     y, z, slope = wheel.scan
     stretch = np.hypot(1.0, slope)
     contacts: list[int] = []
@@ -190,7 +196,7 @@ def _roll(wheel: Wheel, rail: Rail) -> _Rolled:
     return _Rolled(y[met], bends[met], y[contacts], tuple(barriers))
 
 
-def _borders(wheel: Wheel, rail: Rail, rolled: _Rolled, attack: float) -> tuple[float, ...]:
+def _borders(wheel: MountedWheel, rail: Rail, rolled: _Rolled, attack: float) -> tuple[float, ...]:
     """Return where windows end, for all angles of attack up to one."""
     barriers = list(rolled.barriers)
     largest = min(attack, _LARGEST_YAW)
@@ -201,7 +207,7 @@ def _borders(wheel: Wheel, rail: Rail, rolled: _Rolled, attack: float) -> tuple[
     return _gathered(barriers)
 
 
-def _barriers_at(wheel: Wheel, rail: Rail, yaw: float) -> list[float]:
+def _barriers_at(wheel: MountedWheel, rail: Rail, yaw: float) -> list[float]:
     """Return where barriers are on a wheel with an angle of attack."""
     found = []
     for shift in np.arange(-_REACH, _REACH, 2.0 * _SHIFT_STEP):
@@ -251,7 +257,7 @@ def _bends(y: Floats, normal: Floats, stretch: Floats, places: NDArray[np.intp])
 
 
 def _distances(
-    wheel: Wheel, rolled: _Rolled, barriers: tuple[float, ...], fine: Floats, along: Floats
+    wheel: MountedWheel, rolled: _Rolled, barriers: tuple[float, ...], fine: Floats, along: Floats
 ) -> Floats:
     """Return the distance that places may have [m].
 

@@ -67,7 +67,7 @@ class Pose(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Wheel:
+class MountedWheel:
     """A wheel on its axle: profile, radius of the tape circle, its distance from the middle [m]."""
 
     profile: Profile
@@ -120,7 +120,7 @@ class Silhouette(NamedTuple):
     turn: Floats
 
 
-class Touch(NamedTuple):
+class GapMinima(NamedTuple):
     """Local minima of the gap between one wheel and its rail, by rising gap, shape (n,).
 
     ``place`` is the lateral coordinate on the wheel, ``gap`` the vertical distance, ``x``, ``y``
@@ -209,7 +209,7 @@ def _steep_face(profile: Profile, inclination: float, level: float) -> float:
 
 
 def silhouette(
-    wheel: Wheel, pose: Pose, place: Floats, height: Floats, slope: Floats
+    wheel: MountedWheel, pose: Pose, place: Floats, height: Floats, slope: Floats
 ) -> Silhouette:
     """Return the outline of a wheel in the view along the rail; nan where it has no such point.
 
@@ -246,7 +246,7 @@ def silhouette(
     return Silhouette(x, y - 0.5 * bend * x**2, z, turn)
 
 
-def lowest_gap(wheel: Wheel, rail: Rail, pose: Pose) -> tuple[float, float]:
+def lowest_gap(wheel: MountedWheel, rail: Rail, pose: Pose) -> tuple[float, float]:
     """Return the lowest gap [m] and its rate with the roll [m/rad].
 
     The gap is that of a parabola through scanned places, off by less than a nanometre where
@@ -277,7 +277,7 @@ def roll_rate(pose: Pose, y: float, z: float, slope: float) -> float:
     return y - pose.lateral - slope * (pose.height - z)
 
 
-def touching_points(wheel: Wheel, rail: Rail, pose: Pose) -> Touch:
+def touching_points(wheel: MountedWheel, rail: Rail, pose: Pose) -> GapMinima:
     """Return all local minima of the gap between a wheel and a rail.
 
     The gap falls by what the axle is lowered. With the lowest minimum at zero the wheel stands
@@ -296,10 +296,10 @@ def touching_points(wheel: Wheel, rail: Rail, pose: Pose) -> Touch:
     order = np.argsort(gaps, kind="stable")
     x, y, z = seen.x[order], seen.y[order], seen.z[order]
     rail_slope = rail.surface.values(y)[1]
-    return Touch(refined[order], gaps[order], x, y, z, rail_slope, ~inner[order])
+    return GapMinima(refined[order], gaps[order], x, y, z, rail_slope, ~inner[order])
 
 
-def wheel_standing(wheel: Wheel, rail: Rail, pose: Pose) -> tuple[float, Touch]:
+def wheel_standing(wheel: MountedWheel, rail: Rail, pose: Pose) -> tuple[float, GapMinima]:
     """Return the height at which a wheel of its own stands on its rail, and its contacts.
 
     Parameters
@@ -321,7 +321,7 @@ def wheel_standing(wheel: Wheel, rail: Rail, pose: Pose) -> tuple[float, Touch]:
     return pose.height - drop, touch._replace(gap=touch.gap - drop, z=touch.z - drop)
 
 
-def wheel_above(wheel: Wheel, rail: Rail, pose: Pose) -> tuple[Floats, Floats, Floats]:
+def wheel_above(wheel: MountedWheel, rail: Rail, pose: Pose) -> tuple[Floats, Floats, Floats]:
     """Return the scanned part of a wheel that is above its rail, and a margin beside."""
     places, height, slope = wheel.scan
     tilt = abs(pose.roll) + pose.yaw**2 + abs(pose.curvature) * wheel.radius
@@ -337,7 +337,7 @@ def _gap(rail: Rail, seen: Silhouette) -> Floats:
 
 
 def _refined(
-    wheel: Wheel, rail: Rail, pose: Pose, places: Floats, found: NDArray[np.intp]
+    wheel: MountedWheel, rail: Rail, pose: Pose, places: Floats, found: NDArray[np.intp]
 ) -> Floats:
     """Return minima between the neighbours of places found, by bisection of the slope of f."""
     low = places[np.maximum(found - 1, 0)].copy()
@@ -366,7 +366,7 @@ def _refined(
     return middle
 
 
-def _steeper(wheel: Wheel, rail: Rail, pose: Pose, place: Floats) -> tuple[Floats, Floats]:
+def _steeper(wheel: MountedWheel, rail: Rail, pose: Pose, place: Floats) -> tuple[Floats, Floats]:
     """Return by how much the outline of a wheel is steeper than the rail below [1], and y [m].
 
     The outline is an envelope, so that its tangent is square to the normal of the wheel and its

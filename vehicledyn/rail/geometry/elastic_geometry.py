@@ -23,7 +23,7 @@ does, with a finite rate, and the force is continuous in all coordinates. Toward
 equations: on a grid fixed to the wheel all three moments are sums over places of the positive
 part of a smooth function of the pose, so they have a continuous derivative but for the grid; the
 heights z of both profiles come from uniform tables
-(:class:`vehicledyn.rail.profiles.profile_pieces.Table`
+(:class:`vehicledyn.rail.profiles.profile_pieces.QuinticTable`
 with gathered coefficients). The largest overlap δ of a patch becomes a soft maximum, and the parts
 of the grid that belong to tread, throat and flange are fixed windows in the place of minima.
 
@@ -45,10 +45,10 @@ from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.rail.geometry.contact_geometry import (
+    MountedWheel,
     Pose,
     Rail,
     Silhouette,
-    Wheel,
     lowest_gap,
     silhouette,
     wheel_above,
@@ -70,10 +70,10 @@ class Patch:
     """One elastic contact.
 
     ``place`` is the lateral coordinate on the wheel, (``x``, ``y``, ``z``) the point from the
-    middle of the track, as in :class:`vehicledyn.rail.geometry.contact_geometry.Touch`, ``radius``
-    the rolling radius, ``approach`` the largest normal overlap [m]; ``angle`` the contact angle
-    [rad]; ``curvature_x`` and ``curvature_y`` are the half sums A and B [1/m]; ``force`` is
-    normal [N], ``semi_axis_x`` and ``semi_axis_y`` are those of the ellipse [m].
+    middle of the track, as in :class:`vehicledyn.rail.geometry.contact_geometry.GapMinima`,
+    ``radius`` the rolling radius, ``approach`` the largest normal overlap [m]; ``angle`` the
+    contact angle [rad]; ``curvature_x`` and ``curvature_y`` are the half sums A and B [1/m];
+    ``force`` is normal [N], ``semi_axis_x`` and ``semi_axis_y`` are those of the ellipse [m].
     """
 
     place: float
@@ -90,7 +90,7 @@ class Patch:
     semi_axis_y: float
 
 
-def patches(wheel: Wheel, rail: Rail, pose: Pose, modulus: float) -> tuple[Patch, ...]:
+def patches(wheel: MountedWheel, rail: Rail, pose: Pose, modulus: float) -> tuple[Patch, ...]:
     """Return the elastic contacts of a wheel with its rail, the deepest first.
 
     Parameters
@@ -120,7 +120,7 @@ def patches(wheel: Wheel, rail: Rail, pose: Pose, modulus: float) -> tuple[Patch
 
 
 def settled(
-    wheel: Wheel, rail: Rail, pose: Pose, load: float, modulus: float
+    wheel: MountedWheel, rail: Rail, pose: Pose, load: float, modulus: float
 ) -> tuple[float, tuple[Patch, ...]]:
     """Return the height of an axle at which its contacts carry a load, and the contacts.
 
@@ -201,7 +201,7 @@ class _Outline(NamedTuple):
     slope: Floats
 
 
-def _outline(wheel: Wheel, rail: Rail, pose: Pose) -> _Outline:
+def _outline(wheel: MountedWheel, rail: Rail, pose: Pose) -> _Outline:
     scan = wheel_above(wheel, rail, pose)
     seen = silhouette(wheel, pose, *scan)
     surface, slope, _ = rail.surface.values(seen.y)
@@ -233,7 +233,9 @@ def _hill(overlap: Floats, part: slice) -> slice:
     return slice(first, last + 1)
 
 
-def _patch(wheel: Wheel, outline: _Outline, part: slice, deepest: int, modulus: float) -> Patch:
+def _patch(
+    wheel: MountedWheel, outline: _Outline, part: slice, deepest: int, modulus: float
+) -> Patch:
     """Return the patch of a part of the outline, from its three moments."""
     approach = float(outline.overlap[deepest])
     weight = outline.overlap[part] - (1.0 - VIRTUAL_SHARE) * approach

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.rail.geometry.contact_geometry import Rail, Touch, Wheel
+from vehicledyn.rail.geometry.contact_geometry import GapMinima, MountedWheel, Rail
 from vehicledyn.rail.geometry.wheelset_geometry import WheelsetOnTrack, stand_level
 
 FLANGE_LEVEL = 0.01
@@ -33,8 +33,8 @@ def check_fit(wheelset: WheelsetOnTrack, gauge: float) -> None:
     except InputError as error:
         raise InputError(f"{text}: {error}") from None
     for side in ("left", "right"):
-        touch: Touch = getattr(standing, side)
-        wheel: Wheel = getattr(wheelset, f"{side}_wheel")
+        touch: GapMinima = getattr(standing, side)
+        wheel: MountedWheel = getattr(wheelset, f"{side}_wheel")
         if float(wheel.table.height(touch.place[:1])[0]) > FLANGE_LEVEL:
             raise InputError(f"{text}: in the middle of the track the {side} flange is on the rail")
         if touch.edge[0]:
@@ -52,7 +52,7 @@ def check_fit(wheelset: WheelsetOnTrack, gauge: float) -> None:
 def climbed_side(wheelset: WheelsetOnTrack, lateral: float) -> str | None:
     """Return the side whose flange stands over its rail at a lateral shift [m], if one does."""
     for side, sign in (("left", 1.0), ("right", -1.0)):
-        wheel: Wheel = getattr(wheelset, f"{side}_wheel")
+        wheel: MountedWheel = getattr(wheelset, f"{side}_wheel")
         rail: Rail = getattr(wheelset, f"{side}_rail")
         places, height, _ = wheel.scan
         tip = wheel.half_distance + float(places[np.argmax(height)]) + sign * lateral
@@ -61,7 +61,7 @@ def climbed_side(wheelset: WheelsetOnTrack, lateral: float) -> str | None:
     return None
 
 
-def _falls_between(wheel: Wheel, rail: Rail, play: float) -> bool:
+def _falls_between(wheel: MountedWheel, rail: Rail, play: float) -> bool:
     """Return whether the tread ends inside the rail's axis when all play is on its side."""
     return wheel.half_distance + wheel.table.end - 0.5 * play < rail.origin[0]
 

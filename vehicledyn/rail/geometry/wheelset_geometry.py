@@ -18,10 +18,10 @@ import numpy as np
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.step_memory import Memory
 from vehicledyn.rail.geometry.contact_geometry import (
+    GapMinima,
+    MountedWheel,
     Pose,
     Rail,
-    Touch,
-    Wheel,
     lowest_gap,
     roll_rate,
     touching_points,
@@ -44,8 +44,8 @@ class WheelsetOnTrack:
     ``memory`` knows how it stands at some shifts.
     """
 
-    left_wheel: Wheel
-    right_wheel: Wheel
+    left_wheel: MountedWheel
+    right_wheel: MountedWheel
     left_rail: Rail
     right_rail: Rail
     curvature: float = 0.0
@@ -76,8 +76,8 @@ class WheelsetPosition(NamedTuple):
     yaw: float
     roll: float
     height: float
-    left: Touch
-    right: Touch
+    left: GapMinima
+    right: GapMinima
 
 
 class Jump(NamedTuple):
@@ -221,7 +221,7 @@ def _rate(wheelset: WheelsetOnTrack, standing: WheelsetPosition, side: str) -> f
     outwards = 1.0 if side == "left" else -1.0
     wheel = wheelset.left_wheel if side == "left" else wheelset.right_wheel
     rail = wheelset.left_rail if side == "left" else wheelset.right_rail
-    touch: Touch = getattr(standing, side)
+    touch: GapMinima = getattr(standing, side)
     of_wheel = -float(wheel.table.values(touch.place[:1])[2][0])
     of_rail = float(rail.surface.values(touch.y[:1])[2][0])
     return outwards * of_rail / (of_wheel - of_rail) if of_wheel != of_rail else np.inf
@@ -231,7 +231,7 @@ def _place(standing: WheelsetPosition, side: str) -> float:
     return float(getattr(standing, side).place[0])
 
 
-def _touches(wheelset: WheelsetOnTrack, pose: Pose) -> tuple[Touch, Touch]:
+def _touches(wheelset: WheelsetOnTrack, pose: Pose) -> tuple[GapMinima, GapMinima]:
     return (
         touching_points(wheelset.left_wheel, wheelset.left_rail, pose),
         touching_points(wheelset.right_wheel, wheelset.right_rail, pose.mirrored()),
@@ -260,7 +260,7 @@ def _approximate_roll(wheelset: WheelsetOnTrack, lateral: float, yaw: float) -> 
     return roll
 
 
-def _rate_of(touch: Touch, pose: Pose) -> float:
+def _rate_of(touch: GapMinima, pose: Pose) -> float:
     return roll_rate(pose, float(touch.y[0]), float(touch.z[0]), float(touch.slope[0]))
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.rail.profiles.named_profiles import named_profile
-from vehicledyn.rail.profiles.profile import Measured, Profile
+from vehicledyn.rail.profiles.profile import Profile, ProfileMeasurement
 from vehicledyn.rail.profiles.profile_defects import find_scatter
 from vehicledyn.rail.profiles.profile_files import read_points
 from vehicledyn.rail.profiles.profile_names import Kind, is_name
@@ -70,7 +70,7 @@ def _read(path: Path, kind: Kind, reading: ProfileReading, changed: int, size: i
     curve = _curve(path, found, reading.smoothing)
     notes = [*found.notes, *_on_smoothing(curve, found.y, found.z, reading.smoothing)]
     shifted, down, said = _with_datum(curve.table, kind)
-    measured = Measured(
+    measured = ProfileMeasurement(
         points=np.column_stack([found.y, found.z - down]),
         distance=curve.distance,
         outliers=found.outliers - (0.0, down),

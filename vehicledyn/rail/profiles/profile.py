@@ -24,7 +24,7 @@ _EDGE = 1e-9
 
 
 @dataclass(frozen=True)
-class Measured:
+class ProfileMeasurement:
     """What a profile was made of, in its axes.
 
     ``points`` are those that the curve follows, shape (n, 2), ``distance`` how far each lies
@@ -53,7 +53,7 @@ class Profile:
     pieces: tuple[ProfilePiece, ...]
     source: str = ""
     notes: tuple[str, ...] = field(default=())
-    measured: Measured | None = field(default=None, compare=False)
+    measured: ProfileMeasurement | None = field(default=None, compare=False)
 
     @property
     def begin(self) -> float:

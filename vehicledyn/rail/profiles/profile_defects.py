@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from vehicledyn.rail.profiles.fitted_cubics import fit_cubics, powers
 from vehicledyn.rail.profiles.profile import STEEPEST
 from vehicledyn.rail.profiles.profile_pieces import Floats
-from vehicledyn.rail.profiles.profile_steps import Step, find_patches, find_steps
+from vehicledyn.rail.profiles.profile_steps import ProfileStep, find_patches, find_steps
 
 LONGEST_RUN = 6
 MOST_OUTLIERS = 0.1
@@ -55,7 +55,7 @@ class Defects:
     outliers: dict[int, float]
     gaps: tuple[int, ...]
     scatter: float
-    steps: tuple[Step, ...] = ()
+    steps: tuple[ProfileStep, ...] = ()
     in_patches: frozenset[int] = frozenset()
 
 
@@ -84,7 +84,8 @@ def find_defects(points: Floats) -> Defects:
     kept = points[left]
     gaps = tuple(int(left[k]) for k in _gaps(kept))
     steps = tuple(
-        Step(int(left[step.before]), int(left[step.behind]), step.height) for step in _steps(kept)
+        ProfileStep(int(left[step.before]), int(left[step.behind]), step.height)
+        for step in _steps(kept)
     )
     outliers = dict(sorted(found.items()))
     return Defects(outliers, gaps, find_scatter(kept), steps, frozenset(patched))
@@ -104,14 +105,14 @@ def _patched(points: Floats, left: Places) -> dict[int, float]:
     return found
 
 
-def _steps(points: Floats) -> list[Step]:
+def _steps(points: Floats) -> list[ProfileStep]:
     """Return the steps of points between gaps."""
     scatter = find_scatter(points)
     found = []
     for part in _parts(points):
         begin = int(part[0])
         for step in find_steps(points[part], scatter):
-            found.append(Step(begin + step.before, begin + step.behind, step.height))
+            found.append(ProfileStep(begin + step.before, begin + step.behind, step.height))
     return found
 
 

@@ -34,7 +34,7 @@ _TINY = 1e-12
 
 
 @dataclass(frozen=True)
-class Step:
+class ProfileStep:
     """The numbers of the last point before it and the first behind it, and its height [m].
 
     The height is positive to the left of the way along the points.
@@ -45,7 +45,7 @@ class Step:
     height: float
 
 
-def find_steps(points: Floats, scatter: float) -> list[Step]:
+def find_steps(points: Floats, scatter: float) -> list[ProfileStep]:
     """Return the steps of points without gaps and outliers, in their order.
 
     Parameters
@@ -60,23 +60,23 @@ def find_steps(points: Floats, scatter: float) -> list[Step]:
     usual = max(float(np.median(np.hypot(*np.diff(points, axis=0).T))), _TINY)
     side = int(np.clip(round(_REACH / usual), _FEWEST, _MOST))
     least = max(_LEAST, _OF_SCATTER * scatter)
-    found: list[tuple[float, Step]] = []
+    found: list[tuple[float, ProfileStep]] = []
     for skipped in _SKIPPED:
         if (skipped and (skipped + 1) * usual > _EDGE) or len(points) < 2 * side + skipped:
             continue
         height, better = _jumps(points, side, skipped)
         for k in np.flatnonzero((np.abs(height) > least) & (better > _BETTER)):
             before = int(k) + side - 1
-            step = Step(before, before + 1 + skipped, float(height[k]))
+            step = ProfileStep(before, before + 1 + skipped, float(height[k]))
             found.append((float(better[k]) / _DEARER**skipped, step))
-    chosen: list[Step] = []
+    chosen: list[ProfileStep] = []
     for _, step in sorted(found, key=lambda item: -item[0]):
         if all(abs(step.before - other.before) > side for other in chosen):
             chosen.append(step)
     return sorted(chosen, key=lambda step: step.before)
 
 
-def find_patches(steps: list[Step], count: int) -> list[tuple[Step, Step]]:
+def find_patches(steps: list[ProfileStep], count: int) -> list[tuple[ProfileStep, ProfileStep]]:
     """Return pairs of opposite steps of like height that bound few of ``count`` points."""
     pairs, at = [], 0
     while at + 1 < len(steps):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from vehicledyn.multibody.model.parts import BasePart, Clock, Loads, Motion, Output, Situation
+from vehicledyn.multibody.model.parts import BasePart, Clock, DrivenMotion, Loads, Output, Situation
 from vehicledyn.rail.track.track import Track
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Channel
@@ -39,11 +39,11 @@ class TrackFollower(BasePart):
     track: Track
     law: Callable[[Scalar], Scalar]
 
-    def motions(self, clock: Clock) -> dict[str, Motion]:
+    def motions(self, clock: Clock) -> dict[str, DrivenMotion]:
         """Return place and orientation of the frame and their rates."""
         place = self._place(clock.time)
         return {
-            name: Motion(place[k], ops.derivative(place[k], clock.time, 1.0))
+            name: DrivenMotion(place[k], ops.derivative(place[k], clock.time, 1.0))
             for k, name in enumerate(self.coordinates)
         }
 

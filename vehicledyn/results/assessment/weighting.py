@@ -35,7 +35,7 @@ SPERLING_BAND = (0.5, 30.0)
 
 
 @dataclass(frozen=True)
-class Step:
+class UpwardStep:
     """The upward step of a weighting: frequencies f₅, f₆ [Hz], qualities Q₃, Q₄ and gain K [1]."""
 
     low: float
@@ -52,7 +52,7 @@ class Weighting:
     name: str
     transition: float
     quality: float
-    step: Step | None = None
+    step: UpwardStep | None = None
 
     def __call__(self, frequency: Floats) -> NDArray[np.complex128]:
         """Return the complex gain at frequencies [Hz], shape (n,) [1]."""
@@ -69,11 +69,11 @@ class Weighting:
 
 _HIGH_PASS, _LOW_PASS, _FLAT = 0.4, 100.0, 1.0 / math.sqrt(2.0)
 
-W_B = Weighting("W_b", 16.0, 0.63, Step(2.5, 0.8, 4.0, 0.8, 0.4))
+W_B = Weighting("W_b", 16.0, 0.63, UpwardStep(2.5, 0.8, 4.0, 0.8, 0.4))
 """Vertical, EN 12299."""
-W_B_ISO = Weighting("W_b", 16.0, 0.55, Step(2.5, 0.9, 4.0, 0.95, 0.4))
+W_B_ISO = Weighting("W_b", 16.0, 0.55, UpwardStep(2.5, 0.9, 4.0, 0.95, 0.4))
 """Vertical, ISO 2631-4; ISO 8041 writes its gain as 1.024 = 0.4 (f₆/f₅)²."""
-W_K = Weighting("W_k", 12.5, 0.63, Step(2.37, 0.91, 3.35, 0.91, (2.37 / 3.35) ** 2))
+W_K = Weighting("W_k", 12.5, 0.63, UpwardStep(2.37, 0.91, 3.35, 0.91, (2.37 / 3.35) ** 2))
 """Vertical on the seat, ISO 2631-1."""
 W_C = Weighting("W_c", 8.0, 0.63)
 """Forward at the back of a seat, EN 12299 and ISO 2631-1."""

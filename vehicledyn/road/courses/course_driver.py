@@ -12,7 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from vehicledyn.multibody.model.parts import BasePart, Clock, Loads, Motion, Output, Situation
+from vehicledyn.multibody.model.parts import BasePart, Clock, DrivenMotion, Loads, Output, Situation
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Channel, Variable
 
@@ -51,9 +51,9 @@ class CourseDriver(BasePart):
             Variable("offset_integral", "m*s", "Integral of the distance left of the course"),
         )
 
-    def motions(self, clock: Clock) -> dict[str, Motion]:
+    def motions(self, clock: Clock) -> dict[str, DrivenMotion]:
         """Return the rack as the driver's states."""
-        return {self.vehicle.rack: Motion(clock.states["rack"], clock.states["rack_rate"])}
+        return {self.vehicle.rack: DrivenMotion(clock.states["rack"], clock.states["rack_rate"])}
 
     def loads(self, situation: Situation) -> Loads:
         """Return the acceleration of the rack and the rates of the states."""

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from vehicledyn.multibody.model.parts import BasePart, Clock, Loads, Motion, Output, Situation
+from vehicledyn.multibody.model.parts import BasePart, Clock, DrivenMotion, Loads, Output, Situation
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Channel, Variable
 
@@ -38,9 +38,9 @@ class SteeringHands(BasePart):
             Variable("rack_rate", "m/s", "Rack velocity of the driver"),
         )
 
-    def motions(self, clock: Clock) -> dict[str, Motion]:
+    def motions(self, clock: Clock) -> dict[str, DrivenMotion]:
         """Return the rack as the driver's states."""
-        return {self.vehicle.rack: Motion(clock.states["rack"], clock.states["rack_rate"])}
+        return {self.vehicle.rack: DrivenMotion(clock.states["rack"], clock.states["rack_rate"])}
 
     def loads(self, situation: Situation) -> Loads:
         """Return the acceleration of the rack towards what the driver wants."""

@@ -13,7 +13,7 @@ BLOCK = 1 << 15
 """Samples that are read at once."""
 
 
-class Rows(NamedTuple):
+class ChannelRows(NamedTuple):
     """Samples next to each other: times, shape (n,) [s], and channels by name, shape (n,)."""
 
     time: NDArray[np.float64]
@@ -53,16 +53,16 @@ class Recording:
         """Number of samples."""
         return len(self.time)
 
-    def rows(self, names: Iterable[str], start: int, stop: int) -> Rows:
+    def rows(self, names: Iterable[str], start: int, stop: int) -> ChannelRows:
         """Return some channels from sample ``start`` up to ``stop``, in memory for these only."""
         values = {name: self.channels[name][start:stop] for name in names}
-        return Rows(self.time[start:stop], values)
+        return ChannelRows(self.time[start:stop], values)
 
     def column(self, name: str) -> RecordedColumn:
         """Return a channel, or "time", to be read in slices."""
         return RecordedColumn(self, name)
 
-    def blocks(self, names: Iterable[str]) -> Iterator[Rows]:
+    def blocks(self, names: Iterable[str]) -> Iterator[ChannelRows]:
         """Yield some channels block by block, so that memory stays bounded in long runs."""
         wanted = list(names)
         for start in range(0, self.count, BLOCK):

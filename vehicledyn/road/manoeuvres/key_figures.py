@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from vehicledyn.road.manoeuvres.channel_recorder import Recording, Rows
+from vehicledyn.road.manoeuvres.channel_recorder import ChannelRows, Recording
 from vehicledyn.road.manoeuvres.road_data import RoadDataMonitor
 from vehicledyn.road.manoeuvres.tyre_ranges import RangeMonitor
 
@@ -106,7 +106,7 @@ class _Extremes:
         self._lean = [f"{vehicle.chassis}.{name}" for name in ("roll", "pitch")]
         self._rolled_at: float | None = None
 
-    def take(self, rows: Rows) -> None:
+    def take(self, rows: ChannelRows) -> None:
         """Take further samples."""
         import numpy as np
 

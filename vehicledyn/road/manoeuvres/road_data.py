@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from vehicledyn.road.manoeuvres.channel_recorder import Rows
+from vehicledyn.road.manoeuvres.channel_recorder import ChannelRows
 
 if TYPE_CHECKING:
     from vehicledyn.results.store.layout import SummaryEntry
@@ -25,7 +25,7 @@ class RoadDataMonitor:
         """Channels that are needed; none for ground without an end."""
         return [f"{wheel}.contact_{axis}" for wheel in self._wheels for axis in "xy"]
 
-    def take(self, rows: Rows) -> None:
+    def take(self, rows: ChannelRows) -> None:
         """Take further samples."""
         import numpy as np
 

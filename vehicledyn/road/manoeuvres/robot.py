@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from vehicledyn.multibody.model.parts import (
     BasePart,
     Clock,
+    DrivenMotion,
     Loads,
-    Motion,
     Output,
     Situation,
     Wrench,
@@ -41,10 +41,10 @@ class Robot(BasePart):
             Variable("angle_rate", "rad/s", "Rate of the steering wheel of the robot"),
         )
 
-    def motions(self, clock: Clock) -> dict[str, Motion]:
+    def motions(self, clock: Clock) -> dict[str, DrivenMotion]:
         """Return the rack as the robot's states."""
         angle, rate = (clock.states[name] / self.per_rack for name in ("angle", "angle_rate"))
-        return {self.rack: Motion(angle, rate)}
+        return {self.rack: DrivenMotion(angle, rate)}
 
     def loads(self, situation: Situation) -> Loads:
         """Return the acceleration towards the angle wanted."""

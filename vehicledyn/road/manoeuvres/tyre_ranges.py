@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from vehicledyn.road.manoeuvres.channel_recorder import Rows
-from vehicledyn.road.tyre_files.tyre_file import Range
+from vehicledyn.road.manoeuvres.channel_recorder import ChannelRows
+from vehicledyn.road.tyre_files.tyre_file import ValidRange
 from vehicledyn.road.tyres.file_tyre import FileTyre
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ class _Watched(NamedTuple):
     wheel: str
     quantity: str
     channel: str
-    range: Range
+    range: ValidRange
 
 
 class _Found(NamedTuple):
@@ -49,7 +49,7 @@ class RangeMonitor:
         """Channels that are needed; none for tyres without files."""
         return [item.channel for item in self._watched]
 
-    def take(self, rows: Rows) -> None:
+    def take(self, rows: ChannelRows) -> None:
         """Take further samples."""
         import numpy as np
 

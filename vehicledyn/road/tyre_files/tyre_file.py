@@ -38,7 +38,7 @@ _RANGES = {
 
 
 @dataclass(frozen=True)
-class Range:
+class ValidRange:
     """Values of a quantity for which the file holds, in SI units."""
 
     lowest: float
@@ -99,10 +99,10 @@ class TyreFile:
         return USUAL if number is None else use_mode(number) or USUAL
 
     @property
-    def ranges(self) -> dict[str, Range]:
+    def ranges(self) -> dict[str, ValidRange]:
         """Return the ranges in which the file holds; a quantity without both ends is absent."""
         return {
-            name: Range(self.values[low], self.values[high], unit)
+            name: ValidRange(self.values[low], self.values[high], unit)
             for name, (low, high, unit) in _RANGES.items()
             if low in self.values and high in self.values
         }

@@ -12,7 +12,7 @@ from pydantic import Field
 
 from vehicledyn.base.errors import InputError, unknown_name
 from vehicledyn.base.parameters import quantity
-from vehicledyn.road.tyre_files.tyre_file import Range, TyreFile, read_tyre_file
+from vehicledyn.road.tyre_files.tyre_file import TyreFile, ValidRange, read_tyre_file
 from vehicledyn.road.tyres.pacejka.coefficient_values import MIRRORED, Coefficients
 from vehicledyn.road.tyres.pacejka.relaxation_lengths import (
     by_coefficients,
@@ -268,7 +268,7 @@ class FileTyre(Tyre):
         return content
 
     @property
-    def ranges(self) -> dict[str, Range]:
+    def ranges(self) -> dict[str, ValidRange]:
         """Return the ranges in which the file holds, by quantity."""
         return self.content.ranges
 

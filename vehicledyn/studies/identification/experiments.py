@@ -27,7 +27,7 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Measured:
+class MeasuredChannel:
     """A measured channel: times (m,) [s], values (m,) in SI and the deviation of their noise.
 
     ``lag`` [s] is by how much its clock is late: measured at t is what happened at t - lag.
@@ -46,7 +46,7 @@ class Experiment:
 
     name: str
     loaded: LoadedScenario
-    measured: tuple[Measured, ...]
+    measured: tuple[MeasuredChannel, ...]
 
 
 @dataclass(frozen=True)
@@ -177,7 +177,7 @@ def check_measured(mistakes: Mistakes, experiment: Experiment) -> None:
             mistakes.wrong(place, words, at_key=True)
 
 
-def _unusable(item: Measured, duration: float) -> str:
+def _unusable(item: MeasuredChannel, duration: float) -> str:
     """Return why a measurement cannot be used, empty if it can."""
     if item.times.shape != item.values.shape or item.times.ndim != 1 or not item.times.size:
         return "needs as many values as times, one or more"

@@ -19,7 +19,7 @@ from vehicledyn.results.tables.identification_table import IdentificationTable
 from vehicledyn.studies.identification.experiments import (
     Experiment,
     Fitting,
-    Measured,
+    MeasuredChannel,
     check_measured,
 )
 from vehicledyn.studies.identification.identified import Unknowns
@@ -100,7 +100,7 @@ class IdentificationReport:
 
 def identify(
     loaded: LoadedScenario,
-    measured: Sequence[Measured],
+    measured: Sequence[MeasuredChannel],
     parameters: Mapping[str, Mapping[str, Any]],
     progress: Progress,
 ) -> IdentificationReport:

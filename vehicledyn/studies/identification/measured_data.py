@@ -18,7 +18,7 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Signal:
+class MeasuredSignal:
     """A channel with its SI unit, and the column of a file that measures it.
 
     ``given_unit`` is that of files that state none; ``noise`` and ``lag`` are in SI.
@@ -32,7 +32,9 @@ class Signal:
     lag: float
 
 
-def read_signals(path: Path, time: str, signals: Sequence[Signal]) -> list[tuple[Floats, Floats]]:
+def read_signals(
+    path: Path, time: str, signals: Sequence[MeasuredSignal]
+) -> list[tuple[Floats, Floats]]:
     """Return times [s] and values in SI of each signal; a gap is not a number.
 
     Parameters
@@ -66,7 +68,7 @@ def read_signals(path: Path, time: str, signals: Sequence[Signal]) -> list[tuple
     return [(times, np.array(table.numbers[signal.column])) for signal in signals]
 
 
-def _of_result(path: Path, signals: Sequence[Signal]) -> list[tuple[Floats, Floats]]:
+def _of_result(path: Path, signals: Sequence[MeasuredSignal]) -> list[tuple[Floats, Floats]]:
     from vehicledyn.results.labelled.data import open_result
 
     data = open_result(path)
@@ -81,7 +83,9 @@ def _of_result(path: Path, signals: Sequence[Signal]) -> list[tuple[Floats, Floa
     return found
 
 
-def _of_matlab(path: Path, time: str, signals: Sequence[Signal]) -> list[tuple[Floats, Floats]]:
+def _of_matlab(
+    path: Path, time: str, signals: Sequence[MeasuredSignal]
+) -> list[tuple[Floats, Floats]]:
     from scipy.io import loadmat
 
     try:

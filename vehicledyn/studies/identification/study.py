@@ -17,14 +17,14 @@ from vehicledyn.base.files.limits import UnreadableFileError, check_regular
 from vehicledyn.base.problems import Place
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.results.hdf5.kept_work import KeptWork
-from vehicledyn.studies.identification.experiments import Experiment, Measured
+from vehicledyn.studies.identification.experiments import Experiment, MeasuredChannel
 from vehicledyn.studies.identification.identified import Unknowns
 from vehicledyn.studies.identification.identify import (
     IdentificationReport,
     checked_unknowns,
     identify_from,
 )
-from vehicledyn.studies.identification.measured_data import Signal, read_signals
+from vehicledyn.studies.identification.measured_data import MeasuredSignal, read_signals
 from vehicledyn.studies.known_names import KnownNames
 from vehicledyn.studies.mistakes import silent
 from vehicledyn.studies.study_form import StudyForm
@@ -155,7 +155,7 @@ def _held_out(form: StudyForm, known: dict[str, Any]) -> list[str]:
 
 def _measured(
     form: StudyForm, name: str, item: dict[str, Any], known: KnownNames
-) -> tuple[tuple[Measured, ...], list[str]]:
+) -> tuple[tuple[MeasuredChannel, ...], list[str]]:
     """Return the measured channels of an experiment, and remarks on their gaps.
 
     What is wrong with them is noted.
@@ -172,7 +172,7 @@ def _measured(
             column = str(entry.get("column", channel))
             if count == len(form.mistakes.problems):
                 given_unit = entry.get("unit")
-                signals.append(Signal(channel, column, unit, given_unit, noise, lag))
+                signals.append(MeasuredSignal(channel, column, unit, given_unit, noise, lag))
     data = form.path.parent / str(item["data"])
     try:
         check_regular(data)
@@ -187,14 +187,14 @@ def _measured(
         if not kept.all():
             notes.append(f"{data.name}: {signal.column}: {int((~kept).sum())} gaps are left out")
         measured.append(
-            Measured(signal.channel, times[kept], values[kept], signal.noise, signal.lag)
+            MeasuredChannel(signal.channel, times[kept], values[kept], signal.noise, signal.lag)
         )
     return tuple(measured), notes
 
 
 def _read(
-    form: StudyForm, where: Place, data: Path, time: str, signals: Sequence[Signal]
-) -> list[tuple[Signal, tuple[Floats, Floats]]]:
+    form: StudyForm, where: Place, data: Path, time: str, signals: Sequence[MeasuredSignal]
+) -> list[tuple[MeasuredSignal, tuple[Floats, Floats]]]:
     """Return signals with their times and values; nothing, and problems, where one is wrong."""
     try:
         return list(zip(signals, read_signals(data, time, signals), strict=True))

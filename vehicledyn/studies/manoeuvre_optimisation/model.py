@@ -19,7 +19,7 @@ from vehicledyn.analyse.optimal_control.problem import (
 from vehicledyn.analyses.linear.input_names import ModelInput
 from vehicledyn.analyses.linear.linear_inputs import Excited
 from vehicledyn.analyses.preparation.own_speed import at_speed
-from vehicledyn.analyses.preparation.prepare import Point, prepare, start_point
+from vehicledyn.analyses.preparation.prepare import AssembledPoint, prepare, start_point
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress
 from vehicledyn.analyses.preparation.runnable import Subject
 from vehicledyn.base.argument_names import PythonNaming, arguments_named
@@ -50,7 +50,7 @@ class PreparedManoeuvre:
 
     study: ManoeuvreStudy
     prepared: Prepared
-    point: Point
+    point: AssembledPoint
     problem: ControlProblem
     speed: float
 
@@ -91,7 +91,7 @@ def prepare_manoeuvre(study: ManoeuvreStudy, progress: Progress) -> PreparedMano
 
 
 def _problem(
-    study: ManoeuvreStudy, prepared: Prepared, point: Point, inputs: list[ModelInput]
+    study: ManoeuvreStudy, prepared: Prepared, point: AssembledPoint, inputs: list[ModelInput]
 ) -> ControlProblem:
     e = prepared.equations
     waiting = list(inputs)
@@ -242,7 +242,7 @@ def _growth(study: ManoeuvreStudy, names: Names) -> dict[int, float]:
 
 
 def _state_bounds(
-    study: ManoeuvreStudy, names: Names, point: Point, growth: dict[int, float]
+    study: ManoeuvreStudy, names: Names, point: AssembledPoint, growth: dict[int, float]
 ) -> tuple[Floats, Floats, Floats]:
     """Return the bounds of the states at the start, the end and between, each (n_x, 2)."""
     n = len(names.equations.states)

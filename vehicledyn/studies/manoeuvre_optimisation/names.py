@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from vehicledyn.analyse.optimal_control.problem import Control, Expression, Range
+from vehicledyn.analyse.optimal_control.problem import BoundedExpression, Control, Expression
 from vehicledyn.base.errors import InputError, unknown_name
 from vehicledyn.base.units import parse_unit, to_si
 from vehicledyn.symbolic.equations import Equations
@@ -64,7 +64,7 @@ class Names:
             unknown_name("state, channel or control", name, known + list(PATH) * self.has_path)
         )
 
-    def bounded(self, name: str, given: Any) -> Range:
+    def bounded(self, name: str, given: Any) -> BoundedExpression:
         """Return a quantity with the bounds that a study gives it.
 
         Raises
@@ -77,8 +77,8 @@ class Names:
         if what.kind == "square":
             if np.isfinite(low) or high < 0.0:
                 raise InputError(f"{name}: has an upper bound 'to' only, not below zero")
-            return Range(what, -_INF, high**2)
-        return Range(what, low, high)
+            return BoundedExpression(what, -_INF, high**2)
+        return BoundedExpression(what, low, high)
 
     def term(self, name: str, weight: float, powers: list[tuple[Any, ...]]) -> Any:
         """Return terms of the objective by their name: pairs of weight and what it is.

@@ -18,8 +18,8 @@ from vehicledyn.studies.optimisation.study import (
     Front,
     Limit,
     OptimisationStudy,
-    Target,
     Variable,
+    WantedFigure,
 )
 from vehicledyn.studies.study_form import StudyForm
 
@@ -67,7 +67,7 @@ def load_optimisation(
     )
     starts = int(form.number("starts", 1, least=1, most=_MOST_STARTS, whole=True))
     targets = tuple(
-        Target(name, item["target"], item["size"])
+        WantedFigure(name, item["target"], item["size"])
         for name, item in form.entries(("least_squares",), _TARGET, needed=_TARGET)
     )
     if bool(weights) == bool(targets) and not form.mistakes.problems:

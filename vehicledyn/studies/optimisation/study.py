@@ -40,7 +40,7 @@ class Limit:
 
 
 @dataclass(frozen=True)
-class Target:
+class WantedFigure:
     """A figure with what it should be, and the deviation from it that counts as one."""
 
     figure: str
@@ -84,7 +84,7 @@ class OptimisationStudy:
     starts: int = 1
     seed: int = 1
     front: Front | None = None
-    targets: tuple[Target, ...] = ()
+    targets: tuple[WantedFigure, ...] = ()
     optimiser: str = "slsqp"
     explore: int = 0
     scatter: dict[str, Any] = field(default_factory=dict)

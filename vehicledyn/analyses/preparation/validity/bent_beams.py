@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.analyses.preparation.prepare import Point
+from vehicledyn.analyses.preparation.prepare import AssembledPoint
 from vehicledyn.analyses.preparation.prepared import Prepared
 from vehicledyn.kernel.kernel import Kernel
 from vehicledyn.symbolic import ops
@@ -106,12 +106,14 @@ def bent_far(name: str, how: str) -> str:
     )
 
 
-def bent_at(prepared: Prepared, point: Point) -> list[str]:
+def bent_at(prepared: Prepared, point: AssembledPoint) -> list[str]:
     """Return a warning for each beam that is bent far at a point."""
     return bent_among(prepared, [("", prepared.kernel, point)])
 
 
-def bent_among(prepared: Prepared, points: Iterable[tuple[str, Kernel, Point]]) -> list[str]:
+def bent_among(
+    prepared: Prepared, points: Iterable[tuple[str, Kernel, AssembledPoint]]
+) -> list[str]:
     """Return a warning for each beam that is bent far at one of several points.
 
     Each has words for the place, such as "at speed = 3 m/s", and its own kernel.

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from vehicledyn.analyses.preparation.curved_starts import axle_places
-from vehicledyn.analyses.preparation.prepare import Point
+from vehicledyn.analyses.preparation.prepare import AssembledPoint
 from vehicledyn.analyses.preparation.prepared import Prepared
 from vehicledyn.base.units import shown
 from vehicledyn.rail.track.riding_line import rounding
@@ -21,7 +21,7 @@ It is passed some five metres before a change, where wheels stand 0.1 mm aside a
 """
 
 
-def rounded_kinks(prepared: Prepared, start: Point) -> list[str]:
+def rounded_kinks(prepared: Prepared, start: AssembledPoint) -> list[str]:
     """Return a sentence about axles that a balanced start has near a change of the track."""
     track, axles_at = axle_places(prepared, start.state, start.unknowns)
     if track is None:

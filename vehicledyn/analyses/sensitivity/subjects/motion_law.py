@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyses.mechanism.inverse_report import no_motion
-from vehicledyn.analyses.preparation.prescribed_motion import LawMotion, Motion
+from vehicledyn.analyses.preparation.prescribed_motion import LawMotion, MotionRequest
 from vehicledyn.files.scenario.system_models import WrittenModel
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.parameters import Parameter
@@ -36,7 +36,9 @@ class GivenMotion:
         All parameters of the equations, in their order.
     """
 
-    def __init__(self, motion: Motion | None, model: WrittenModel, names: Sequence[str]) -> None:
+    def __init__(
+        self, motion: MotionRequest | None, model: WrittenModel, names: Sequence[str]
+    ) -> None:
         self._motion, self._model, self._names = motion, model, list(names)
 
     def at(self, times: Floats, parameters: Floats) -> Tables:

@@ -35,7 +35,7 @@ from vehicledyn.analyses.simulation.partitions.singularity_monitor import LEVERA
 from vehicledyn.base.errors import NumericalError
 
 if TYPE_CHECKING:
-    from vehicledyn.multibody.loops.partition_monitor import Comparison
+    from vehicledyn.multibody.loops.partition_monitor import PartitionComparison
 
 Vector = NDArray[np.float64]
 
@@ -141,7 +141,9 @@ class DeadPoints:
         """Return a passage that begins at a sample."""
         return Passage(self.changes.kernel, self.changes.pivots, sample, self._tolerance)
 
-    def _change_at(self, before: Sample | None, near: Sample, found: Comparison) -> RestartPoint:
+    def _change_at(
+        self, before: Sample | None, near: Sample, found: PartitionComparison
+    ) -> RestartPoint:
         """Change the partition at a step behind a look, which is taken once more more accurately.
 
         If it turns out wrong, and nothing is to be changed there, the run goes on at the next look.

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from vehicledyn.analyses.simulation.partitions.singularity_crossing import Sample
 
 if TYPE_CHECKING:
-    from vehicledyn.multibody.loops.partition_monitor import Comparison
+    from vehicledyn.multibody.loops.partition_monitor import PartitionComparison
 
 
 class Crossing(Exception):  # noqa: N818
@@ -38,7 +38,7 @@ class Degrading(Exception):  # noqa: N818
     """
 
     def __init__(
-        self, sample: Sample, comparison: Comparison, before: Sample | None = None
+        self, sample: Sample, comparison: PartitionComparison, before: Sample | None = None
     ) -> None:
         super().__init__()
         self.sample, self.comparison, self.before = sample, comparison, before

@@ -24,7 +24,7 @@ from vehicledyn.analyses.simulation.partitions.singularity_monitor import (
     LEVERAGE,
     PivotLog,
 )
-from vehicledyn.analyses.simulation.run_plan import Point, RunPlan
+from vehicledyn.analyses.simulation.run_plan import PieceStart, RunPlan
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.integrate.task import Statistics
 from vehicledyn.kernel.kernel import Kernel
@@ -33,7 +33,7 @@ from vehicledyn.multibody.model.system import MOST_ENTANGLED, System
 from vehicledyn.symbolic.equations import Equations
 
 if TYPE_CHECKING:
-    from vehicledyn.multibody.loops.partition_monitor import Comparison, PartitionMonitor
+    from vehicledyn.multibody.loops.partition_monitor import PartitionComparison, PartitionMonitor
 
 Vector = NDArray[np.float64]
 
@@ -170,11 +170,11 @@ class PartitionChanges:
         here, there = self.pivots([sample, ahead])
         return np.asarray((there - here) / _PROBE)
 
-    def better_at_look(self, sample: Sample, limit: float) -> Comparison | None:
+    def better_at_look(self, sample: Sample, limit: float) -> PartitionComparison | None:
         """Return the same at a look, but none at a terminal event, behind which nothing follows."""
         return self.better(sample, limit) if self.plan.is_look(sample.time) else None
 
-    def better(self, sample: Sample, limit: float) -> Comparison | None:
+    def better(self, sample: Sample, limit: float) -> PartitionComparison | None:
         """Return the comparison with the best partition if that is clearly better.
 
         It is looked for only where the leverage is above the limit.
@@ -191,7 +191,9 @@ class PartitionChanges:
         found = self.watch.compare(sample.time, values, self._dependent)
         return found if found.best_leverage < _GAIN * leverage else None
 
-    def first_better(self, before: Sample | None, stop: float) -> tuple[Sample, Comparison] | None:
+    def first_better(
+        self, before: Sample | None, stop: float
+    ) -> tuple[Sample, PartitionComparison] | None:
         """Return the first step between two looks at which other coordinates do clearly better.
 
         Steps at which determinants come below a level, which are the same with all sizes of steps,
@@ -212,7 +214,7 @@ class PartitionChanges:
                 return near, found
         return None
 
-    def change_between(self, near: Sample, found: Comparison) -> RestartPoint:
+    def change_between(self, near: Sample, found: PartitionComparison) -> RestartPoint:
         """Change the partition at a look, or at a step between two; go on at the second."""
         if self.plan.is_look(near.time):
             self.log.accept(near)
@@ -225,7 +227,7 @@ class PartitionChanges:
         self.log.restart(here, rows[-1:])
         return RestartPoint(look, rows[-1].state, rows[-1].unknowns)
 
-    def change(self, sample: Sample, found: Comparison) -> RestartPoint:
+    def change(self, sample: Sample, found: PartitionComparison) -> RestartPoint:
         """Go on with other equations from a sample; return where.
 
         Raises
@@ -237,7 +239,7 @@ class PartitionChanges:
         self.adopt(kernel, here, found)
         return RestartPoint(self.plan.index(here.time), here.state, here.unknowns)
 
-    def derive(self, sample: Sample, found: Comparison) -> tuple[Kernel, Sample]:
+    def derive(self, sample: Sample, found: PartitionComparison) -> tuple[Kernel, Sample]:
         """Return the kernel of another partition, and a sample in it; nothing changes yet.
 
         Raises
@@ -271,14 +273,14 @@ class PartitionChanges:
             )
         return self.known[best].with_parameters(parameters)
 
-    def adopt(self, kernel: Kernel, here: Sample, found: Comparison) -> None:
+    def adopt(self, kernel: Kernel, here: Sample, found: PartitionComparison) -> None:
         """Go on with a derived kernel from a sample, whatever follows."""
         self.kernel, self.changed_at, self.count = kernel, here.time, self.count + 1
         self.log.change(here)
         _log.info("t = %.6g s: '%s' is no longer dependent", here.time, found.worst)
         self.plan.happened("partition.changed", here.time)
 
-    def refuse_late(self, sample: Sample, found: Comparison) -> None:
+    def refuse_late(self, sample: Sample, found: PartitionComparison) -> None:
         """Raise NumericalError where a step of fixed size has come too near to a bad partition."""
         step = self.plan.step
         if step is not None and found.leverage > _INACCURATE:
@@ -293,7 +295,7 @@ class PartitionChanges:
         """Integrate from a sample with nothing watched, and keep the samples."""
         self.plan.follow(
             self.kernel,
-            Point(begin.time, begin.state, begin.unknowns),
+            PieceStart(begin.time, begin.state, begin.unknowns),
             stop,
             count=count,
             parts=self.parts,
@@ -303,7 +305,7 @@ class PartitionChanges:
         )
 
 
-def lasts_no_longer(sample: Sample, found: Comparison) -> NumericalError:
+def lasts_no_longer(sample: Sample, found: PartitionComparison) -> NumericalError:
     """Return the error of a motion for which no partition is good enough."""
     return NumericalError(
         f"no partition of the coordinates lasts at t = {sample.time:.9g} s; "

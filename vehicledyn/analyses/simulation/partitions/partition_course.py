@@ -16,7 +16,7 @@ from vehicledyn.analyses.simulation.sample_delivery import Delivery
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.integrate.fixed_step import FixedSteps
 from vehicledyn.kernel.kernel import Kernel
-from vehicledyn.kernel.tangent_code import Grid
+from vehicledyn.kernel.tangent_code import StepRow
 from vehicledyn.multibody.model.system import System
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ class PartitionCourse:
         return may_change(kernel.equations)
 
     def run(
-        self, kernel: Kernel, grid: Grid, n_intervals: int, start: tuple[Floats, Floats]
+        self, kernel: Kernel, grid: StepRow, n_intervals: int, start: tuple[Floats, Floats]
     ) -> RunCourse:
         """Return a run with fixed steps, as a simulation takes them.
 

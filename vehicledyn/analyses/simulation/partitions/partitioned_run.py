@@ -46,7 +46,7 @@ from vehicledyn.analyses.simulation.partitions.singularity_monitor import (
     PivotLog,
 )
 from vehicledyn.analyses.simulation.partitions.singularity_passing import SingularityPassing
-from vehicledyn.analyses.simulation.run_plan import Point, RunPlan
+from vehicledyn.analyses.simulation.run_plan import PieceStart, RunPlan
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.integrate.accuracy.monitored_run import DivergenceError
 from vehicledyn.integrate.course import Beginning, RunHistory
@@ -209,7 +209,7 @@ class PartitionedRun:
         try:
             return replace(plan, happened=self._note_event).integrate(
                 self._changes.kernel,
-                Point(plan.time(place.look), place.state, place.unknowns),
+                PieceStart(plan.time(place.look), place.state, place.unknowns),
                 plan.time(plan.n_looks if last is None else min(plan.n_looks, last)),
                 sink=self._log.take,
                 parts=self._parts,
@@ -306,10 +306,10 @@ class PartitionedRun:
         changes.kernel = kernel
         self.plan.happened("constraint_method.changed", sample.time)
         _log.info("t = %.6g s: constraints are treated with multipliers from now on", sample.time)
-        begin = self._at_look(Point(sample.time, state, guess))
+        begin = self._at_look(PieceStart(sample.time, state, guess))
         self._project(begin.time, begin)
 
-    def _project(self, start: float, begin: Point | None = None) -> None:
+    def _project(self, start: float, begin: PieceStart | None = None) -> None:
         """Run with multipliers from a look at a start [s], or go on from what was noted."""
         changes, beginning, course = self._changes, self._beginning, None
         if self._notes is not None and self._origin is not None:
@@ -323,7 +323,7 @@ class PartitionedRun:
             found = run.go_on(beginning.history, len(e.states), len(e.unknowns))
         self._parts.append(found)
 
-    def _at_look(self, begin: Point) -> Point:
+    def _at_look(self, begin: PieceStart) -> PieceStart:
         """Run with multipliers from a place between two looks to the second, and hand it on."""
         plan, kernel = self.plan, self._changes.kernel
         if plan.is_look(begin.time):
@@ -340,7 +340,7 @@ class PartitionedRun:
         )
         _, states, unknowns, outputs = rows[-1]
         self._hand_on(kernel, np.array([stop]), states, unknowns, outputs)
-        return Point(stop, states[0], unknowns[0])
+        return PieceStart(stop, states[0], unknowns[0])
 
     def _forward(self, samples: list[Sample]) -> None:
         """Hand samples on, which are given in order."""

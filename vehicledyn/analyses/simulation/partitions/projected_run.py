@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from vehicledyn.analyses.preparation.projection import projected
 from vehicledyn.analyses.simulation.partitions.rederived import values_of
 from vehicledyn.analyses.simulation.partitions.singularity_crossing import Sample
-from vehicledyn.analyses.simulation.run_plan import Point, RunPlan
+from vehicledyn.analyses.simulation.run_plan import PieceStart, RunPlan
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.integrate.accuracy.monitored_run import DivergenceError
 from vehicledyn.integrate.course import MethodState, RunHistory, reading_history
@@ -99,7 +99,7 @@ class ProjectedRun:
         group = self.plan.every * max(1, _LOOKS // self.plan.every)
         return min(self.plan.n_looks, first + _LOOKS, (first // group + 1) * group)
 
-    def _note(self, begin: Point) -> None:
+    def _note(self, begin: PieceStart) -> None:
         """Note where a piece begins if that is a sample: a run in one piece begins it there too."""
         if self.course is not None and self.plan.is_wanted(begin.time):
             numbers = self._carried.numbers
@@ -108,7 +108,7 @@ class ProjectedRun:
 
     def _piece(self, first: int, last: int, state: Vector, unknowns: Vector) -> Statistics:
         plan = self.plan
-        point = Point(plan.time(first), state, unknowns)
+        point = PieceStart(plan.time(first), state, unknowns)
         self._note(point)
 
         def take(times: Vector, x: Vector, z: Vector, y: Vector) -> None:
@@ -175,7 +175,7 @@ class ProjectedRun:
             rows = zip(times, x, z, y, strict=True)
             jacobians.extend(self._scaled_jacobian(Sample(*row)) for row in rows)
 
-        begin = Point(start.time, state, start.unknowns)
+        begin = PieceStart(start.time, state, start.unknowns)
         self.plan.follow(self.kernel, begin, stop, count=count, parts=self._parts, sink=take)
         return not all(_is_positive(b, a) for a, b in pairwise(jacobians))
 

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.integrate.explicit_pairs.dop853 import (
-    Start,
-    Tolerances,
+    StepStart,
+    StepTolerances,
     Trial,
     first_size,
     next_size,
@@ -236,7 +236,7 @@ class Passage:
         moving = [outputs[k] if k >= 0 else 0.0 for k in self._rate_of]
         return np.concatenate([rates, moving])
 
-    def _go_on_from(self, point: Start) -> None:
+    def _go_on_from(self, point: StepStart) -> None:
         """Be at the end of a step, with the unknowns solved there."""
         state = np.ascontiguousarray(point.state[: self._n])
         unknowns = self._solve(point.time, point.state)
@@ -244,12 +244,12 @@ class Passage:
 
     def _move(self, time: float, y: Vector) -> None:
         self.time, self._y = time, y
-        self._here = Start(time, y, self._rates(time, y))
+        self._here = StepStart(time, y, self._rates(time, y))
 
     def _solve(self, time: float, y: Vector) -> Vector:
         state = np.ascontiguousarray(y[: self._n])
         return self._kernel.count_solve(time, state, y[self._n :], self._ledger)
 
 
-def _both(tolerance: float) -> Tolerances:
-    return Tolerances(tolerance, tolerance)
+def _both(tolerance: float) -> StepTolerances:
+    return StepTolerances(tolerance, tolerance)

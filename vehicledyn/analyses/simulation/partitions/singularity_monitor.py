@@ -25,7 +25,7 @@ from vehicledyn.analyses.simulation.partitions.singularity_crossing import Sampl
 from vehicledyn.kernel.engine import WEAK_PIVOT
 
 if TYPE_CHECKING:
-    from vehicledyn.multibody.loops.partition_monitor import Comparison
+    from vehicledyn.multibody.loops.partition_monitor import PartitionComparison
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -60,7 +60,7 @@ class PivotLog:
         self,
         pivots: Callable[[Sequence[Sample]], Matrix],
         forward: Callable[[list[Sample]], None],
-        better: Callable[[Sample, float], Comparison | None],
+        better: Callable[[Sample, float], PartitionComparison | None],
         rates: Callable[[Sample], Vector],
         motion: Callable[[Sample, Sample, Sequence[int], Vector], Sample | None],
         *,

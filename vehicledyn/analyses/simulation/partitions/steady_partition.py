@@ -13,7 +13,7 @@ from vehicledyn.analyses.simulation.partitions.expected_pivots import LastLook, 
 from vehicledyn.analyses.simulation.partitions.repartitioning import steps_per_look
 from vehicledyn.analyses.simulation.run_plan import looks_per_interval
 from vehicledyn.kernel.kernel import Kernel
-from vehicledyn.kernel.tangent_code import Grid
+from vehicledyn.kernel.tangent_code import StepRow
 
 Floats = NDArray[np.float64]
 
@@ -31,7 +31,7 @@ class SteadyPartition:
         self._last: LastLook | None = None
 
     @staticmethod
-    def sees(kernel: Kernel, grid: Grid) -> bool:
+    def sees(kernel: Kernel, grid: StepRow) -> bool:
         """Return whether samples tell all that a run with fixed steps looks at."""
         e = kernel.equations
         step, steps = grid.interval / grid.per_interval, steps_per_look(e)

@@ -32,7 +32,7 @@ from vehicledyn.road.tyres.pacejka.state import (
     tangent,
     weight,
 )
-from vehicledyn.road.tyres.pacejka.turn_slip import NO_TURN, Turn, turn_factors
+from vehicledyn.road.tyres.pacejka.turn_slip import NO_TURN, TurnSlipFactors, turn_factors
 from vehicledyn.road.tyres.tyre import TyreForces, TyreInput
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar
@@ -147,7 +147,11 @@ def _digressive(scale: Scalar, digression: float) -> Scalar:
 
 
 def longitudinal(
-    p: Coefficients, s: State, turn: Turn = NO_TURN, *, digression: float = Rules.digression
+    p: Coefficients,
+    s: State,
+    turn: TurnSlipFactors = NO_TURN,
+    *,
+    digression: float = Rules.digression,
 ) -> PureCurve:
     """Return F_x at pure longitudinal slip, (4.E9) to (4.E18)."""
     df, dp = s.load_change, s.pressure_change
@@ -172,7 +176,7 @@ def lateral(
     p: Coefficients,
     s: State,
     slip: Slip,
-    turn: Turn = NO_TURN,
+    turn: TurnSlipFactors = NO_TURN,
     *,
     digression: float = Rules.digression,
 ) -> PureCurve:
@@ -240,7 +244,7 @@ def _aligning(
     free: Scalar,
     *,
     rules: Rules,
-    turn: Turn,
+    turn: TurnSlipFactors,
 ) -> Scalar:
     """Return the moments by pneumatic trail and residual, (4.E31) to (4.E49), (4.E71) to (4.E78).
 

@@ -31,7 +31,7 @@ _SMALL = 1e-3
 
 
 @dataclass(frozen=True)
-class Turn:
+class TurnSlipFactors:
     """Factors ζ_0 to ζ_7; ``z8`` is the moment that the source adds as ζ_8 - 1 [N m].
 
     ``z4`` is 1 + S_Hyφ, without the part - S_Vyγ/K_yα of the source, which the side force itself
@@ -49,7 +49,7 @@ class Turn:
     z8: Scalar = 0.0
 
 
-NO_TURN = Turn()
+NO_TURN = TurnSlipFactors()
 USED = ("PDXP1", "PKYP1", "PDYP1", "PHYP2", "QDTP1", "QCRP1", "QBRP1", "QDRP1")
 """Coefficients of which one at least is not zero where a file has turn slip."""
 
@@ -60,7 +60,7 @@ def turn_factors(
     s: State,
     slip: Slip,
     straight: tuple[PureCurve, PureCurve, Scalar],
-) -> Turn:
+) -> TurnSlipFactors:
     """Return the factors at a contact; none without turn slip or its coefficients.
 
     ``straight`` are the curves of F_y without turn slip, at no camber and at this one, and the
@@ -82,7 +82,7 @@ def turn_factors(
     upright, leaning, weight = straight
     lever = _Lever(radius * phi, ops.smooth_norm(radius * turning, 0.0, 1e-9), share)
     z8, z7 = _spin_moment(p, s, slip, lever, (leaning.friction, weight))
-    return Turn(
+    return TurnSlipFactors(
         z0=0.0,
         z1=ops.cos(ops.atan(peak_x * size)),
         z2=ops.cos(ops.atan(lost)),
