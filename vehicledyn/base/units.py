@@ -202,8 +202,22 @@ _SHOWN_AS = {
 }
 
 
-def shown(value: float | int | bool | str, unit: str) -> str:
-    """Return a value in SI as a person reads it: angles in degrees, four significant digits.
+_MOST_DIGITS = 12
+
+
+def digits_of(value: float, width: float) -> int:
+    """Return the significant digits that show a value whose interval has a width, four or more.
+
+    >>> digits_of(25000.0, 1.5)
+    6
+    """
+    if not (value and width > 0.0 and math.isfinite(width) and math.isfinite(value)):
+        return 4
+    return min(max(4, math.ceil(math.log10(abs(value) / width)) + 1), _MOST_DIGITS)
+
+
+def shown(value: float | int | bool | str, unit: str, digits: int = 4) -> str:
+    """Return a value in SI as a person reads it: angles in degrees, some significant digits.
 
     >>> shown(0.05, "rad")
     '2.865 deg'
@@ -212,5 +226,5 @@ def shown(value: float | int | bool | str, unit: str) -> str:
         return str(value)
     wanted = _SHOWN_AS.get(unit, unit)
     factor = parse_unit(unit).factor / parse_unit(wanted or "1").factor if unit else 1.0
-    number = str(value) if isinstance(value, int) else f"{value * factor:.4g}"
+    number = str(value) if isinstance(value, int) else f"{value * factor:.{digits}g}"
     return f"{number} {wanted}".rstrip()

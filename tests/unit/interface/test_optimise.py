@@ -341,6 +341,7 @@ def test_figures_of_analyses_are_checked(tmp_path, figure, match):
         vd.optimise(path)
 
 
+@pytest.mark.long
 def test_of_names_that_overlap_the_pattern_is_blamed(tmp_path):
     """Not the name before it, which stands for one figure; variables are checked all the same."""
     text = RIG.replace("rig(wheel.camber_gain, parallel, 20 mm)", "rig(wheel.toe*, parallel)")

@@ -71,7 +71,13 @@ def optimum_figures(course: OptimumCourse) -> Iterator[tuple[str, Figure]]:
         return
     drawn = new_figure(_HEIGHT)
     axes = drawn.subplots()
-    axes.plot(course.front_value, course.front_objective, "o-", color=PALETTE[0])
+    value, objective = np.array(course.front_value), np.array(course.front_objective)
+    kept = np.array(course.front_kept, dtype=bool)
+    axes.plot(value[kept], objective[kept], "o-", color=PALETTE[0])
+    if not kept.all():
+        words = "constraints not kept"
+        axes.plot(value[~kept], objective[~kept], "x", color=PALETTE[1], label=words)
+        axes.legend(loc="best")
     axes.set_xlabel(axis_label(plain(course.front_figure.name), course.front_figure.unit))
     axes.set_ylabel(axis_label("Objective", "1"))
     axes.grid(visible=True)

@@ -10,6 +10,12 @@ import numpy as np
 from vehicledyn.results.plots.table_results import describe_table, table_figures
 from vehicledyn.results.report.content import Content, KeyFigure, words
 from vehicledyn.results.report.page import Block, Facts, Notes, Section, TextTable
+from vehicledyn.results.report.parameter_content import (
+    identification_parts,
+    notes_section,
+    optimum_parts,
+    uncertainty_parts,
+)
 from vehicledyn.results.report.texts import number, reading
 from vehicledyn.results.store.linear_file import format_of
 from vehicledyn.results.tables import (
@@ -78,7 +84,7 @@ def _handling(path: Path) -> Parts:
         KeyFigure(f.key, f.value, f.unit, f"{words(f.test)}: {f.description}")
         for f in table.figures
     ]
-    return found, [Section("Notes", [Notes(table.notes)])] if table.notes else []
+    return found, notes_section(table.notes)
 
 
 def _cam(path: Path) -> Parts:
@@ -87,7 +93,7 @@ def _cam(path: Path) -> Parts:
         KeyFigure(name, value, unit, words(meaning))
         for name, (value, unit, meaning) in table.figures.items()
     ]
-    return found, [Section("Notes", [Notes(table.notes)])] if table.notes else []
+    return found, notes_section(table.notes)
 
 
 def _equilibrium(table: equilibrium_table.EquilibriumTable) -> Parts:
@@ -130,10 +136,11 @@ def _sensitivities(table: sensitivity_table.SensitivityTable) -> Parts:
             if table.slopes[row][k]
         ]
         heads = ("Parameter", "Value, SI", "Derivative", "Unit")
-        sections.append(
-            Section(f"{figure.name} [{figure.unit}]", [TextTable(heads, lines, (1, 2))])
-        )
-    return [], sections
+        blocks: list[Block] = [TextTable(heads, lines, (1, 2))]
+        if np.isnan(table.slopes[row]).any():
+            blocks.append(Notes(["Some derivatives do not exist here; a dash marks them."]))
+        sections.append(Section(f"{figure.name} [{figure.unit}]", blocks))
+    return [], [*sections, *notes_section(table.notes)]
 
 
 def _modes(table: mode_table.ModeTable) -> Parts:
@@ -237,9 +244,7 @@ def _contacts(table: contact_table.ContactTable) -> Parts:
     sections = [Section("Settings", [Facts(settings)]), Section("Equivalent conicity", blocks)]
     if jumps:
         sections.append(Section("Jumps of the contact", [TextTable(jump_head, jumps, (2, 3))]))
-    if table.notes:
-        sections.append(Section("Notes", [Notes(table.notes)]))
-    return figures, sections
+    return figures, [*sections, *notes_section(table.notes)]
 
 
 def _setting(table: contact_table.ContactTable, name: str) -> str:
@@ -299,10 +304,10 @@ _KINDS: dict[str, tuple[str, Callable[[Path], Parts]]] = {
         "Equilibrium",
         lambda path: _equilibrium(equilibrium_table.read_equilibrium(path)),
     ),
-    optimum_table.FORMAT: ("Optimum", _no_parts),
+    optimum_table.FORMAT: ("Optimum", optimum_parts),
     manoeuvre_table.FORMAT: ("Optimal manoeuvre", _no_parts),
-    identification_table.FORMAT: ("Identification", _no_parts),
-    uncertainty_table.FORMAT: ("Uncertainty", _no_parts),
+    identification_table.FORMAT: ("Identification", identification_parts),
+    uncertainty_table.FORMAT: ("Uncertainty", uncertainty_parts),
     sensitivity_table.FORMAT: (
         "Sensitivities",
         lambda path: _sensitivities(sensitivity_table.read_sensitivity(path)),

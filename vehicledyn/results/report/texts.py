@@ -10,13 +10,17 @@ from vehicledyn.base.units import shown
 from vehicledyn.results.plots.plot_style import axis_label
 
 
-def number(value: float) -> str:
-    """Return a number with four significant digits; adding zero turns -0.0 into 0.0.
+def number(value: float, digits: int = 4) -> str:
+    """Return a number with some significant digits, a dash where there is none.
 
-    >>> number(-0.0), number(1234567.0)
-    ('0', '1.235e+06')
+    Adding zero turns -0.0 into 0.0.
+
+    >>> number(-0.0), number(1234567.0), number(math.nan)
+    ('0', '1.235e+06', '–')
     """
-    return f"{value + 0.0:.4g}"
+    if math.isnan(value):
+        return "–"
+    return f"{value + 0.0:.{digits}g}"
 
 
 def reading(value: Any, unit: str) -> str:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from vehicledyn.base.units import digits_of
 from vehicledyn.results.store.consistency import Sizes
 from vehicledyn.results.store.linear_file import (
     Quantity,
@@ -142,8 +143,9 @@ def describe_identification(path: Path) -> dict[str, Any]:
         "message": table.message,
         "runs": table.n_runs,
         "parameters": [
-            f"{item.name} {value:.6g} ({low:.6g} to {high:.6g}) {item.unit}"
+            f"{item.name} {value:.{digits}g} ({low:.{digits}g} to {high:.{digits}g}) {item.unit}"
             for item, value, low, high in rows
+            for digits in (digits_of(float(value), float(high - low)),)
         ],
         "signals": [f"{item.name} [{item.unit}]" for item in table.signals],
         "notes": list(table.notes),

@@ -14,6 +14,7 @@ from vehicledyn.results.store.linear_file import (
     new_file,
     old_file,
     read_quantities,
+    read_texts,
     write_axis,
     write_numbers,
     write_quantities,
@@ -21,6 +22,9 @@ from vehicledyn.results.store.linear_file import (
 )
 
 FORMAT = "vehicledyn-optimum"
+
+KEPT = 1e-5
+"""Scaled violation up to which constraints are kept."""
 
 
 @dataclass(frozen=True)
@@ -38,6 +42,11 @@ class FrontPoint:
     violation: float
     n_runs: int
 
+    @property
+    def is_kept(self) -> bool:
+        """Whether it keeps the constraints."""
+        return self.violation <= KEPT
+
 
 @dataclass(frozen=True)
 class OptimumTable:
@@ -46,8 +55,8 @@ class OptimumTable:
     ``variables`` with ``low``, ``high``, ``start`` and ``best`` (n,); ``figures`` with values at
     the start and the optimum ``figure_values`` (2, m) and ``figure_slopes`` (m, n) there; the runs
     with ``points`` (n_runs, n), ``objective`` and ``violation`` (n_runs,); ``front`` the best
-    compromises with a second figure. ``status`` is "ok", or "infeasible" where a constraint is not
-    kept, which ``message`` names.
+    compromises with a second figure; ``limits`` words on each constraint. ``status`` is "ok", or
+    "infeasible" where a constraint is not kept, which ``message`` names.
     """
 
     title: str
@@ -69,6 +78,7 @@ class OptimumTable:
     front: tuple[FrontPoint, ...] = ()
     front_figure: Quantity | None = None
     status: str = "ok"
+    limits: tuple[str, ...] = ()
 
 
 def write_optimum(path: Path, table: OptimumTable) -> None:
@@ -111,6 +121,7 @@ def write_optimum(path: Path, table: OptimumTable) -> None:
         about = ("1", "Largest scaled violation of a constraint")
         write_numbers(file, "violation", table.violation, (run,), about)
         _write_front(file, table, variables)
+        write_texts(file, "limits", table.limits)
         write_texts(file, "notes", table.notes)
 
 
@@ -134,11 +145,68 @@ def _write_front(file: h5py.File, table: OptimumTable, variables: h5py.Dataset) 
     write_numbers(file, "front_variables", values, (point, variables), about)
 
 
+def read_optimum(path: Path) -> OptimumTable:
+    """Return an optimum from its file.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or holds something else.
+    """
+    with old_file(path, FORMAT) as file:
+        variables, figures = read_quantities(file, "variable"), read_quantities(file, "figure")
+        sizes = Sizes({"variables": len(variables), "figures": len(figures)})
+        columns = {
+            name: sizes.read(file, f"variable_{name}", "variables")
+            for name in ("low", "high", "start", "best")
+        }
+        values = [sizes.read(file, f"figure_{name}", "figures") for name in ("start", "best")]
+        return OptimumTable(
+            str(file.attrs["title"]),
+            str(file.attrs["message"]),
+            variables,
+            figures=figures,
+            figure_values=values,
+            figure_slopes=sizes.read(file, "figure_slope", "figures", "variables"),
+            points=sizes.read(file, "point", "runs", "variables"),
+            objective=sizes.read(file, "objective", "runs", infinite=True),
+            violation=sizes.read(file, "violation", "runs", infinite=True),
+            optimality=float(file.attrs["optimality"]),
+            n_runs=int(file.attrs["runs"]),
+            notes=tuple(read_texts(file, "notes")),
+            front=_read_front(file, sizes),
+            front_figure=_front_figure(file),
+            status=str(file.attrs.get("status", "ok")),
+            limits=tuple(read_texts(file, "limits")) if "limits" in file else (),
+            **columns,
+        )
+
+
+def _front_figure(file: h5py.File) -> Quantity | None:
+    if "front_figure" not in file.attrs:
+        return None
+    unit, words = (str(file["front_figure"].attrs[key]) for key in ("units", "long_name"))
+    return Quantity(str(file.attrs["front_figure"]), unit, words)
+
+
+def _read_front(file: h5py.File, sizes: Sizes) -> tuple[FrontPoint, ...]:
+    if "front_figure" not in file.attrs:
+        return ()
+    names = ("objective", "figure", "optimality", "violation", "n_runs")
+    columns = [sizes.read(file, f"front_{name}", "points") for name in names]
+    points = sizes.read(file, "front_variables", "points", "variables")
+    return tuple(
+        FrontPoint(point, float(a), float(b), float(c), float(d), int(n))
+        for point, a, b, c, d, n in zip(points, *columns, strict=True)
+    )
+
+
 @dataclass(frozen=True)
 class OptimumCourse:
     """What figures of an optimum show: the runs, and the front of compromises if there is one.
 
-    ``objective`` and ``violation`` (n_runs,); ``front_objective`` and ``front_value`` (n_points,).
+    ``objective`` and ``violation`` (n_runs,); ``front_objective``, ``front_value`` and whether
+    constraints are kept, ``front_kept`` (n_points,).
     """
 
     objective: Any
@@ -146,6 +214,7 @@ class OptimumCourse:
     front_figure: Quantity | None
     front_objective: Any
     front_value: Any
+    front_kept: Any
 
 
 def read_course(path: Path) -> OptimumCourse:
@@ -160,16 +229,16 @@ def read_course(path: Path) -> OptimumCourse:
         sizes = Sizes()
         objective = sizes.read(file, "objective", "runs", infinite=True)
         violation = sizes.read(file, "violation", "runs", infinite=True)
-        if "front_figure" not in file.attrs:
-            return OptimumCourse(objective, violation, None, (), ())
-        values = file["front_figure"]
-        unit, words = (str(values.attrs[key]) for key in ("units", "long_name"))
+        front_figure = _front_figure(file)
+        if front_figure is None:
+            return OptimumCourse(objective, violation, None, (), (), ())
         return OptimumCourse(
             objective,
             violation,
-            Quantity(str(file.attrs["front_figure"]), unit, words),
+            front_figure,
             sizes.read(file, "front_objective", "points"),
             sizes.read(file, "front_figure", "points"),
+            sizes.read(file, "front_violation", "points") <= KEPT,
         )
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from vehicledyn.analyse.identify import Estimate, estimate
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.base.step_memory import Memory, Shelf
-from vehicledyn.base.units import shown
+from vehicledyn.base.units import digits_of, shown
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.results.tables.identification_table import IdentificationTable
@@ -61,14 +61,11 @@ class IdentificationReport:
         found = self.found
         lines = [f"{self.title}: identified in {found.n_runs} runs"]
         for k, (name, unit) in enumerate(zip(self.names, self.units, strict=True)):
-            low, high = (shown(float(v), unit) for v in found.intervals[k])
-            value = shown(float(found.values[k]), unit)
+            digits = digits_of(float(found.values[k]), float(np.ptp(found.intervals[k])))
+            low, high = (shown(float(v), unit, digits) for v in found.intervals[k])
+            value = shown(float(found.values[k]), unit, digits)
             lines.append(f"  {name} = {value}  (95 %: {low} to {high})")
         lines.append(f"residuals: {np.sqrt(found.variance):.3g} of the noise given")
-        lines += [
-            f"held out: {name}, residuals {size:.3g} of the noise given"
-            for name, size in self.held_out
-        ]
         return "\n".join([*lines, *self.table.notes])
 
     def as_dict(self) -> dict[str, Any]:
@@ -172,7 +169,10 @@ def identify_from(
         (item.experiment.name, _root_mean_square(item.residuals(unknowns, found.values)[0]))
         for item in others
     ]
-    notes = [*remarks, *_notes(unknowns, found, chosen, runs)]
+    notes = [
+        f"held out: {name}, residuals {size:.3g} of the noise given" for name, size in foretold
+    ]
+    notes += [*remarks, *_notes(unknowns, found, chosen, runs)]
     table = _table(title, unknowns, found, chosen, notes)
     return IdentificationReport(title, unknowns.names, unknowns.units, found, table, foretold)
 

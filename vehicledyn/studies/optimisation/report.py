@@ -10,9 +10,6 @@ from vehicledyn.results.tables.optimum_table import OptimumTable
 
 INFEASIBLE = "no point was found that keeps all constraints"
 
-KEPT = 1e-5
-"""Scaled violation up to which constraints are kept."""
-
 
 @dataclass(frozen=True)
 class Missed:
@@ -76,7 +73,7 @@ class OptimumReport:
             lines += [
                 f"    {item.objective:.6g}  {shown(item.figure, table.front_figure.unit)}"
                 f"  {item.optimality:.1g}  {item.n_runs}"
-                + ("" if item.violation <= KEPT else "  constraints not kept")
+                + ("" if item.is_kept else "  constraints not kept")
                 for item in table.front
             ]
         return "\n".join([*lines, *table.notes])
@@ -123,7 +120,7 @@ class OptimumReport:
                     "objective": item.objective,
                     "figure": item.figure,
                     "optimality": item.optimality,
-                    "kept": item.violation <= KEPT,
+                    "kept": item.is_kept,
                     "variables": item.variables.tolist(),
                 }
                 for item in table.front

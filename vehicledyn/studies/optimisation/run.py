@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from typing import Any
@@ -21,9 +21,9 @@ from vehicledyn.base.step_memory import Memory
 from vehicledyn.base.units import shown
 from vehicledyn.results.hdf5.kept_work import KeptWork
 from vehicledyn.results.store.linear_file import Quantity
-from vehicledyn.results.tables.optimum_table import FrontPoint, OptimumTable
+from vehicledyn.results.tables.optimum_table import KEPT, FrontPoint, OptimumTable
 from vehicledyn.studies.optimisation.problem import Problem
-from vehicledyn.studies.optimisation.report import INFEASIBLE, KEPT, Missed, OptimumReport
+from vehicledyn.studies.optimisation.report import INFEASIBLE, Missed, OptimumReport
 from vehicledyn.studies.optimisation.study import Limit, OptimisationStudy
 
 Floats = NDArray[np.float64]
@@ -104,6 +104,7 @@ def _optimum(
     ]
     table = _table(study, problem, found, (first.values, last.values), last.slopes)
     table = replace(table, front=front, notes=(*notes, *table.notes))
+    table = replace(table, limits=tuple(_limit_words(problem, found)))
     missed = () if found.is_feasible else _missed(problem, found)
     if missed:
         words = "; ".join(item.as_text() for item in missed)
@@ -122,6 +123,22 @@ def _missed(problem: Problem, found: Optimum) -> tuple[Missed, ...]:
         )
         if value < -KEPT * (abs(limit) or 1.0)
     )
+
+
+def _limit_words(problem: Problem, found: Optimum) -> Iterator[str]:
+    """Yield words on each constraint: whether it is active, kept or missed."""
+    for (name, sign, limit), value, weight in zip(
+        problem.limits(), found.values.constraints, found.multipliers, strict=True
+    ):
+        unit, words = problem.units.get(name, "1"), "at least" if sign > 0.0 else "at most"
+        if value < -KEPT * (abs(limit) or 1.0):
+            told = f"missed by {shown(-float(value), unit)}"
+        elif weight and found.is_feasible:
+            step = f"1 {unit}".removesuffix(" 1")
+            told = f"active; relaxing it by {step} gains {weight:.4g} of the objective"
+        else:
+            told = f"kept with {shown(float(value), unit)} to spare"
+        yield f"{name} {words} {shown(limit, unit)}: {told}"
 
 
 def _rank(problem: Problem, found: Optimum) -> tuple[float, float]:

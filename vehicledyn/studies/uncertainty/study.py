@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +32,7 @@ class UncertaintyStudy:
     ``texts`` distinguish this study from others, ``form`` is the file it was read from.
     """
 
+    title: str
     loaded: LoadedScenario
     of: list[str]
     parameters: dict[str, Any]
@@ -78,7 +79,7 @@ def run_uncertainty_study(
     runs = kept.memory(
         "uncertainty", study.texts, digests_to_keep(kept, [study.loaded]), asked_again=True
     )
-    return find_uncertainty(
+    report = find_uncertainty(
         study.loaded,
         study.of,
         study.parameters,
@@ -90,6 +91,7 @@ def run_uncertainty_study(
         runs=runs,
         mistakes=study.form.mistakes,
     )
+    return replace(report, title=study.title)
 
 
 def load_uncertainty(
@@ -122,7 +124,10 @@ def load_uncertainty(
     form.refuse()
     assert loaded is not None  # what is wrong with it was refused
     texts = (form.document.text, loaded.text, repr(loaded.overrides))
-    return UncertaintyStudy(loaded, of, parameters, method, number, seed, limits, texts, form)
+    title = str(form.data.get("title", path.stem))
+    return UncertaintyStudy(
+        title, loaded, of, parameters, method, number, seed, limits, texts, form
+    )
 
 
 def _figures(form: StudyForm) -> list[str]:
