@@ -53,6 +53,18 @@ def test_cornering_stiffness_is_that_of_the_formula():
     assert slopes[:, 1] * second == pytest.approx(by_second, rel=0.01)
 
 
+def test_what_leaves_the_ranges_of_the_file_is_told():
+    """Once for each range, with the figure that is farthest; a peak by its place."""
+    of = ["tyre(lateral_force, 4 kN:40 kN:2, slip_angle=60 deg)", "tyre(cornering_stiffness, 4 kN)"]
+    with pytest.warns(vd.AccuracyWarning, match="outside"):
+        notes = vd.sensitivity(FILES["mf61"], of, "PDY1").notes
+    assert len(notes) == 2
+    assert "4e+04 N" in notes[0]
+    assert "and 1 more: the load of 4e+04 N is outside" in notes[0]
+    assert "and 2 more: the slip angle of 1.047 rad is outside" in notes[1]
+    assert not vd.sensitivity(FILES["mf61"], of[1], "PDY1").notes
+
+
 def test_a_peak_is_that_of_the_friction():
     """D = μ Fz and S_V: the peak grows with λ_μy, by PDY1 and PVY1 as the load, by no stiffness."""
     names = ["LMUY", "PDY1", "PVY1", "PKY1"]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,6 +20,7 @@ from vehicledyn.base.units import shown
 from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.results.tables.sensitivity_table import SensitivityTable
 from vehicledyn.road.tyre_files.names import coefficients
+from vehicledyn.road.tyre_files.tyre_file import Range
 from vehicledyn.road.tyres.tyre import TyreInput
 from vehicledyn.road.tyres.tyre_of_file import TyreOfFile
 from vehicledyn.symbolic import ops
@@ -107,11 +108,13 @@ def find_tyre_sensitivity(
     chosen = [names[k] for k in matching(names, to, tyre.path.name)]
     progress("differentiating the tyre", None)
     law = _Law(tyre, chosen)
-    figures, found = [], []
+    figures, found, places = [], [], []
     for item in asked:
         for felt in item.felt:
             figures.append(_quantity(item, felt))
-            found.append(law.at(item.quantity, felt))
+            places.append(law.place(item.quantity, felt))
+            found.append(law.at(item.quantity, places[-1]))
+    outside = _outside(tyre.content.ranges, figures, places)
     return SensitivityTable(
         f"Tyre {tyre.path.name}",
         tyre.path.name,
@@ -120,6 +123,7 @@ def find_tyre_sensitivity(
         tuple(figures),
         np.array([value for value, _ in found]),
         np.array([slope for _, slope in found]).reshape(len(found), len(chosen)),
+        notes=tuple(outside),
     )
 
 
@@ -143,20 +147,31 @@ class _Law:
         self._value = ops.numeric([felt, symbols], column)
         self._slope = ops.numeric([felt, symbols], ops.jacobian(column, symbols))
 
-    def at(self, quantity: str, felt: Floats) -> tuple[float, Floats]:
-        """Return a quantity and its derivatives.
-
-        That of a peak is the force's at its place, where moving it makes no difference.
+    def place(self, quantity: str, felt: Floats) -> Floats:
+        """Return what the tyre feels where a quantity is taken: of a peak, where that is.
 
         Raises
         ------
         InputError
-            If they are no numbers, or there is no peak.
+            If there is no peak.
+        """
+        if quantity not in _PEAKS:
+            return felt
+        force, slip, reach = _PEAKS[quantity]
+        return self._peak(force, 1 + list(_SLIPS).index(slip), felt, reach)
+
+    def at(self, quantity: str, felt: Floats) -> tuple[float, Floats]:
+        """Return a quantity at its place, and its derivatives.
+
+        That of a peak is the force's there, where moving it makes no difference.
+
+        Raises
+        ------
+        InputError
+            If they are no numbers.
         """
         if quantity in _PEAKS:
-            force, slip, reach = _PEAKS[quantity]
-            place = self._peak(force, 1 + list(_SLIPS).index(slip), felt, reach)
-            value, slope = self.at(force, place)
+            value, slope = self.at(_PEAKS[quantity][0], felt)
             return abs(value), np.sign(value) * slope
         row = self._names.index(quantity)
         value = float(self._value(felt, self._values)[row, 0])
@@ -200,6 +215,30 @@ def _quantity(asked: _Asked, felt: Floats) -> Quantity:
     force, slip, unit = _STIFFNESSES[asked.quantity]
     words = f"{force} by {slip}".replace("_", " ").capitalize()
     return Quantity(name, unit, words)
+
+
+def _outside(
+    ranges: Mapping[str, Range], figures: Sequence[Quantity], places: Sequence[Floats]
+) -> list[str]:
+    """Return a warning for each range of a tyre file that is left, with where this is farthest."""
+    felt, notes = np.array(places), []
+    for column, name in enumerate(("load", *_SLIPS)):
+        known = ranges.get(name)
+        if known is None:
+            continue
+        beyond = np.maximum(known.lowest - felt[:, column], felt[:, column] - known.highest)
+        count, worst = int(np.sum(beyond > 0.0)), int(np.argmax(beyond))
+        if not count:
+            continue
+        low, high, value = known.lowest, known.highest, float(felt[worst, column])
+        unit = "" if known.unit == "1" else f" {known.unit}"
+        others = f" and {count - 1} more" if count > 1 else ""
+        words = name.replace("_", " ")
+        notes.append(
+            f"warning: '{figures[worst].name}'{others}: the {words} of {value:.4g}{unit} is outside "
+            f"{low:.4g} to {high:.4g}{unit}, the range of the tyre file"
+        )
+    return notes
 
 
 def _unit(dimension: str) -> str:
