@@ -235,8 +235,8 @@ def _outside(
         others = f" and {count - 1} more" if count > 1 else ""
         words = name.replace("_", " ")
         notes.append(
-            f"warning: '{figures[worst].name}'{others}: the {words} of {value:.4g}{unit} is outside "
-            f"{low:.4g} to {high:.4g}{unit}, the range of the tyre file"
+            f"warning: '{figures[worst].name}'{others}: the {words} of {value:.4g}{unit} is "
+            f"outside {low:.4g} to {high:.4g}{unit}, the range of the tyre file"
         )
     return notes
 
