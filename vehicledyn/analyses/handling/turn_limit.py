@@ -4,10 +4,15 @@ Along the curve R(ξ, λ) = 0 of turns ξ with their values λ the value stands 
 tangent has no part of it. There a row ψ with ψ R_ξ = 0 exists, and the limit follows parameters as
 
     dλ/dp = -ψ R_p / (ψ R_λ).
+
+Where the curve comes back at a corner, as where a rebound stop begins to touch, derivatives of R
+jump by c g, g being those of what vanishes at the corner: it follows from the jump, and the limit
+from R and it together.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,6 +35,13 @@ where Newton's method finds no turn [1]."""
 _LEVEL = 1e-5
 """Part of its value that the tangent of a curve may have where the curve comes back [1]."""
 
+_BESIDE, _WEIGHTS = 1e-4, np.array([3.0, -3.0, 1.0])
+"""Distance of turns beside a corner, in steps of the curve, and the weights of the nearest three
+that give what is at the corner itself."""
+
+_ONE = 1e-5
+"""Part of the jump of derivatives at a corner that may be that of another one [1]."""
+
 _BOTH = 1e-6
 """Ratio of singular values from which on the next to last one is zero, too [1]."""
 
@@ -44,6 +56,57 @@ class TurnLimit:
     value: float
     point: CarPoint
     row: Vector
+
+
+@dataclass(frozen=True)
+class TurnCorner:
+    """The turn of the largest value at a corner, with turns just before and behind it.
+
+    ``before`` and ``behind`` hold values, turns and derivatives of what is unbalanced by unknowns
+    and value, the nearest first; ``scale`` are sizes of these.
+    """
+
+    value: float
+    before: tuple[tuple[float, CarPoint, Vector], ...]
+    behind: tuple[tuple[float, CarPoint, Vector], ...]
+    scale: Vector
+
+    def slopes(self, pushed: Callable[[float, CarPoint], Vector], sizes: Vector) -> Vector:
+        """Return the derivatives of the value by parameters, (n_parameters,).
+
+        Parameters
+        ----------
+        pushed
+            Derivatives of what is unbalanced by parameters at a turn of a value.
+        sizes
+            Sizes of the parameters, (n_parameters,).
+
+        Raises
+        ------
+        NumericalError
+            If more than one corner is there.
+        """
+        first, second = (
+            np.tensordot(
+                _WEIGHTS,
+                [np.hstack([rows * self.scale, pushed(v, p) * sizes]) for v, p, rows in side],
+                axes=1,
+            )
+            for side in (self.before, self.behind)
+        )
+        jump, directions = np.linalg.svd(second - first)[1:]
+        n = len(self.scale)
+        moved = [
+            -np.linalg.solve(rows[:, :n], rows[:, n:])[-1]
+            for rows in (np.vstack([side, directions[0]]) for side in (first, second))
+        ]
+        apart = np.abs(moved[1] - moved[0]).max(initial=0.0)
+        if jump[1] > _ONE * jump[0] or apart > _ONE * np.abs(moved).max(initial=0.0):
+            raise NumericalError(
+                f"the turns end at {self.value:.6g} where corners meet, or at one that derivatives "
+                "do not show, such as where a wheel lifts; the end has no derivative"
+            )
+        return np.asarray(moved[0] * self.scale[-1] / sizes)
 
 
 class _Curve:
@@ -90,6 +153,15 @@ class _Curve:
             start, way, size = x, ahead, (_GROWTH if not finer else 1.0) * size
         raise NumericalError("the curve of turns does not come back near its last turn")
 
+    def corner(self, x: Vector, way: Vector, size: float) -> TurnCorner:
+        """Return the corner at a point, with turns in so long steps beside it."""
+        sides = []
+        for sign in (-1.0, 1.0):
+            places = [sign * k * size * way * self.scale for k in (1, 2, 3)]
+            near = [self.at(x + place, way) for place in places]
+            sides.append(tuple((float(y[-1]), self.point(y), self.rows(y)) for y in near))
+        return TurnCorner(float(x[-1]), sides[0], sides[1], self.scale)
+
     def rows(self, x: Vector) -> Vector:
         """Return the derivatives of what is unbalanced by unknowns and value."""
         normal = np.zeros(len(x))
@@ -111,7 +183,7 @@ def limit_turn(
     turn: TurnOf,
     before: tuple[float, CarPoint],
     last: tuple[float, CarPoint],
-) -> TurnLimit:
+) -> TurnLimit | TurnCorner:
     """Return the limit of a curve of turns, from its last two turns with their values.
 
     Raises
@@ -138,10 +210,7 @@ def limit_turn(
     rows = curve.rows(x)
     sides, sizes, _ = np.linalg.svd(rows[:, :-1] * scale[:-1])
     if abs(curve.tangent(x, way)[-1]) > _LEVEL:
-        raise NumericalError(
-            f"the turns end at a corner at {x[-1]:.6g}, such as where a wheel lifts or locks, so "
-            "that the end has no derivative"
-        )
+        return curve.corner(x, way, _BESIDE * size)
     if sizes[-2] <= _BOTH * sizes[-3]:
         raise NumericalError(
             f"at the limit {x[-1]:.6g} two things give way at once, such as both wheels of an "

@@ -18,7 +18,7 @@ from vehicledyn.analyses.handling.slow_turn import slope_at_rest, slow_turns
 from vehicledyn.analyses.handling.steady_turn import SteadyTurn
 from vehicledyn.analyses.handling.tested_car import CarPoint
 from vehicledyn.analyses.handling.turn_equations import BRAKE_SCALE, Turn, TurnOf
-from vehicledyn.analyses.handling.turn_limit import TurnLimit
+from vehicledyn.analyses.handling.turn_limit import TurnCorner, TurnLimit
 from vehicledyn.analyses.preparation.build_model import build_subject
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.kernel.derivatives import Derivatives, TotalDerivatives
@@ -214,13 +214,27 @@ class TurnSlopes:
             given[self._brake] = -BRAKE_SCALE * follow[-1]
         return TurnMoves(total, state, given)
 
-    def limit(self, turn: TurnOf, found: TurnLimit) -> Vector:
-        """Return the value of a limit, then its derivatives, (1 + n_parameters,)."""
-        wanted = turn(found.value)
-        unknowns, given = self.solver.unknowns(wanted, found.point), self._given(found.point, {})
-        total, state, _ = self._parts(found.point, unknowns, given)
-        pushed = self._pushed(wanted, total, state, given)
-        return np.concatenate([[found.value], -found.row @ pushed])
+    def limit(self, turn: TurnOf, found: TurnLimit | TurnCorner) -> Vector:
+        """Return the value of a limit, then its derivatives, (1 + n_parameters,).
+
+        Raises
+        ------
+        NumericalError
+            If the limit is where two corners meet.
+        """
+
+        def pushed(value: float, point: CarPoint) -> Vector:
+            wanted = turn(value)
+            unknowns, given = self.solver.unknowns(wanted, point), self._given(point, {})
+            total, state, _ = self._parts(point, unknowns, given)
+            return self._pushed(wanted, total, state, given)
+
+        if isinstance(found, TurnLimit):
+            slopes = -found.row @ pushed(found.value, found.point)
+        else:
+            values = [self.solver.car.equations.parameters[k].value for k in self.parameters]
+            slopes = found.slopes(pushed, np.array([abs(value) or 1.0 for value in values]))
+        return np.append(found.value, slopes)
 
     def _given(self, point: CarPoint, gains: Mapping[str, Vector]) -> Vector:
         """Return how all parameters follow the car's own, those of the turn aside."""

@@ -8,7 +8,7 @@ from vehicledyn.analyses.handling.acceleration_limits import SMALLEST_STEP, turn
 from vehicledyn.analyses.handling.circle import QUANTITIES
 from vehicledyn.analyses.handling.tested_car import CarPoint
 from vehicledyn.analyses.handling.turn_equations import Turn, TurnOf
-from vehicledyn.analyses.handling.turn_limit import TurnLimit, limit_turn
+from vehicledyn.analyses.handling.turn_limit import TurnCorner, TurnLimit, limit_turn
 from vehicledyn.analyses.handling.turn_paths import TurnPath
 from vehicledyn.analyses.handling.turn_slopes import TurnSlopes
 from vehicledyn.analyses.handling.yaw_moment import held_turns
@@ -96,7 +96,7 @@ def acceleration_limit_figures(slopes: TurnSlopes, asked: Asked) -> Found:
         yield about, slopes.limit(across, limit)
 
 
-def _limit(slopes: TurnSlopes, turn: TurnOf, path: TurnPath, words: str) -> TurnLimit:
+def _limit(slopes: TurnSlopes, turn: TurnOf, path: TurnPath, words: str) -> TurnLimit | TurnCorner:
     """Return the turn behind a path at which its curve comes back."""
     solver = slopes.solver
     if not path.is_limit:
