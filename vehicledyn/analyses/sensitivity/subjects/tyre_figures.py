@@ -20,7 +20,7 @@ from vehicledyn.base.units import shown
 from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.results.tables.sensitivity_table import SensitivityTable
 from vehicledyn.road.tyre_files.names import coefficients
-from vehicledyn.road.tyre_files.tyre_file import Range
+from vehicledyn.road.tyre_files.tyre_file import ValidRange
 from vehicledyn.road.tyres.tyre import TyreInput
 from vehicledyn.road.tyres.tyre_of_file import TyreOfFile
 from vehicledyn.symbolic import ops
@@ -218,7 +218,7 @@ def _quantity(asked: _Asked, felt: Floats) -> Quantity:
 
 
 def _outside(
-    ranges: Mapping[str, Range], figures: Sequence[Quantity], places: Sequence[Floats]
+    ranges: Mapping[str, ValidRange], figures: Sequence[Quantity], places: Sequence[Floats]
 ) -> list[str]:
     """Return a warning for each range of a tyre file that is left, with where this is farthest."""
     felt, notes = np.array(places), []
