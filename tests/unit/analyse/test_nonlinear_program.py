@@ -45,7 +45,7 @@ def program(folder, text=STUDY):
     (folder / "study.yaml").write_text(text, encoding="utf-8")
     manoeuvre = prepare_manoeuvre(load_manoeuvre(folder / "study.yaml"), lambda *_: None)
     guess, _ = first_guess(manoeuvre)
-    made = MotionProgram(PointModel(manoeuvre.problem), guess.mesh, state_scales(guess))
+    made = MotionProgram(PointModel(manoeuvre.problem), guess, state_scales(guess))
     variables = made.layout.of(guess)
     return made, variables + 0.1 * np.random.default_rng(1).normal(size=variables.size)
 
@@ -56,10 +56,16 @@ def differences(function, at, step=1e-5):
     return np.array([(function(at + m) - function(at - m)) / (2.0 * step) for m in moves]).T
 
 
-@pytest.mark.parametrize("text", [STUDY, STUDY + "periodic: {trolley.*: 0, load.*: 0}\n"])
-def test_derivatives_of_the_program_are_those_of_its_values(tmp_path, text):
-    """All kinds of controls, terms, limits, ends and the path, against central differences."""
-    made, at = program(tmp_path, text)
+@pytest.mark.parametrize(
+    "more", ["", "periodic: {trolley.*: 0, load.*: 0}\n", "start: {trolley.y: free}\n"]
+)
+def test_derivatives_of_the_program_are_those_of_its_values(tmp_path, more):
+    """All kinds of controls, terms, limits, ends and the path, against central differences.
+
+    The mesh follows the path where the motion starts at a place, else intervals share time.
+    """
+    made, at = program(tmp_path, STUDY + more)
+    assert bool(made.layout.places["lengths"].size) == (more == "")
     rows, n = made.rows, at.size
     slopes = csc_matrix(
         (rows.jacobian(at), rows.slopes.rows, rows.slopes.starts), (rows.count, n)

@@ -13,13 +13,19 @@ from vehicledyn.analyse.optimal_control.problem import BEND, POINTS, ControlProb
 Floats = NDArray[np.float64]
 
 
-def variable_bounds(problem: ControlProblem, layout: Layout) -> tuple[Floats, Floats]:
-    """Return the lower and upper bounds of all variables, divided by their scales."""
-    low, high = (_side(problem, layout, side) for side in (0, 1))
+def variable_bounds(
+    problem: ControlProblem, layout: Layout, distances: Floats
+) -> tuple[Floats, Floats]:
+    """Return the lower and upper bounds of all variables, divided by their scales.
+
+    ``distances`` are those along the path at which intervals end, but the last, where the mesh
+    follows the path [m].
+    """
+    low, high = (_side(problem, layout, distances, side) for side in (0, 1))
     return low, high
 
 
-def _side(p: ControlProblem, layout: Layout, side: int) -> Floats:
+def _side(p: ControlProblem, layout: Layout, distances: Floats, side: int) -> Floats:
     far, n, sign = (-np.inf, np.inf)[side], layout.n, (-1.0, 1.0)[side]
     edge = [np.array([_sided(c, place)[side] for c in p.controls]) for place in range(3)]
     values = np.tile(edge[1], (n + 1, 1)) if p.controls else np.zeros((n + 1, 0))
@@ -32,14 +38,18 @@ def _side(p: ControlProblem, layout: Layout, side: int) -> Floats:
             rates[:, k] = 0.0
         elif c.start[0] == c.start[1]:
             rates[0, k] = 0.0
+    distance = np.full(layout.places["distance"].shape, far)
+    if layout.places["lengths"].size:
+        distance[:-1, -1, 0] = distances
     bend = [sign * c.acceleration if c.order == BEND else 0.0 for c in p.controls]
     return layout.pack(
         duration=p.duration[side],
+        lengths=(0.0, np.inf)[side],
         first=p.start[:, side],
         states=_inside(p, layout, side),
         unknowns=far,
         first_distance=p.path_start[side],
-        distance=far,
+        distance=distance,
         values=values,
         rates=rates,
         accelerations=bend,

@@ -81,7 +81,7 @@ def solve_on_mesh(model: PointModel, guess: Trajectory, settings: Settings) -> S
     A search that circles goes on from the motion that it circles about, with a smaller barrier,
     until what the barrier may keep from the objective is small.
     """
-    made = MotionProgram(model, guess.mesh, settings.scales)
+    made = MotionProgram(model, guess, settings.scales)
     program = whole_program(made.rows, made.bounds())
     start, spent, barrier = np.clip(made.layout.of(guess), *program.bounds), 0, settings.barrier
 

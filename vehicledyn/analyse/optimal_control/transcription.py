@@ -29,7 +29,7 @@ from vehicledyn.analyse.optimal_control.point_function import (
 )
 from vehicledyn.analyse.optimal_control.problem import BEND, POINTS, RAMP, ControlProblem
 from vehicledyn.analyse.optimal_control.rows import OBJECTIVE, BoundedRows, PointGroup
-from vehicledyn.analyse.optimal_control.trajectory import DEGREE, radau_points
+from vehicledyn.analyse.optimal_control.trajectory import DEGREE, Trajectory, radau_points
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -49,6 +49,18 @@ class PointModel:
         if curves is not None and not set(place) <= set(problem.growth):
             self.start = PointDerivatives(start_function(problem, curves))
 
+    @property
+    def may_follow_path(self) -> bool:
+        """Whether the motion goes from a place of its path to another, and time does not matter."""
+        import casadi
+
+        p, f = self.problem, self.inner
+        if p.path is None or not _ends_of(p):
+            return False
+        places = p.start[list(p.path.place)]
+        is_placed = p.path_start[0] == p.path_start[1] or (places[:, 0] == places[:, 1]).all()
+        return bool(is_placed) and not casadi.depends_on(f.outputs, f.constants[0])
+
     def within(self, duration: tuple[float, float]) -> PointModel:
         """Return the same of the problem with other bounds of its duration [s]."""
         other = copy(self)
@@ -57,26 +69,36 @@ class PointModel:
 
 
 class MotionProgram:
-    """The nonlinear program of a problem on a mesh.
+    """The nonlinear program of a problem on the mesh of a guess.
 
-    ``rows`` are its objective and constraints.
+    Along a path from one place to another the ends of the intervals are places of the path, and
+    the times between them variables: what a motion does there is then hardly changed by how quick
+    it was before. Else the intervals are parts of the duration. ``rows`` are objective and
+    constraints.
     """
 
-    def __init__(self, model: PointModel, mesh: Floats, scales: Floats) -> None:
-        self.model, self.problem, self.mesh = model, model.problem, mesh
-        self.layout = Layout(self.problem, len(mesh) - 1, scales)
-        self.steps = np.diff(mesh)
+    def __init__(self, model: PointModel, guess: Trajectory, scales: Floats) -> None:
+        self.model, self.problem, self.mesh = model, model.problem, guess.mesh
+        self._distances = guess.distance[:-1, -1]
+        ends = [guess.first_distance, *self._distances, *_ends_of(self.problem)]
+        follows = bool(model.may_follow_path and (np.diff(ends) > 0.0).all())
+        n = guess.n_intervals
+        self.layout = Layout(self.problem, guess, scales, follows=follows)
+        places = self.layout.places
+        self._spans = places["lengths"] if follows else np.repeat(places["duration"], n)
+        self.steps = np.ones(n) if follows else np.diff(self.mesh)
         self.rows = BoundedRows(self.layout.scale)
         self._points = self._group()
         self._collocate(scales)
         self._continue_controls()
+        self._add_up_lengths()
         self._ends(scales)
         self._objective()
         self.rows.finish()
 
     def bounds(self) -> tuple[Floats, Floats]:
         """Return the bounds of the variables."""
-        return variable_bounds(self.problem, self.layout)
+        return variable_bounds(self.problem, self.layout, self._distances)
 
     def _group(self) -> PointGroup:
         """Return the collocation points with their variables and constants."""
@@ -95,8 +117,7 @@ class MotionProgram:
         parts = np.tile(radau_points(), self.layout.n)
         steps = self.steps[interval]
         constants = np.column_stack([self.mesh[interval] + parts * steps, steps, parts])
-        duration = np.broadcast_to(places["duration"], (n, 1))
-        variables = np.hstack([duration, *columns])
+        variables = np.hstack([self._spans[interval][:, None], *columns])
         group = PointGroup(self.model.derivatives, variables, constants)
         self.rows.groups.append(group)
         return group
@@ -154,7 +175,15 @@ class MotionProgram:
                     rows = self.rows.bounded(*((free, zero) if sign < 0.0 else (zero, free)))
                     self.rows.add(rows, value[1:], 1.0 / size)
                     self.rows.add(rows, value[:-1], -1.0 / size)
-                    self.rows.add(rows, places["duration"], sign * steps)
+                    self.rows.add(rows, self._spans, sign * steps)
+
+    def _add_up_lengths(self) -> None:
+        """Let the duration be the sum of the intervals' lengths."""
+        lengths = self.layout.places["lengths"]
+        if lengths.size:
+            row = self.rows.equations(1)
+            self.rows.add(row, lengths, 1.0)
+            self.rows.add(row, self.layout.places["duration"], -1.0)
 
     def _ends(self, scales: Floats) -> None:
         p, places = self.problem, self.layout.places
@@ -199,3 +228,9 @@ class MotionProgram:
             elif what[0] == "final":
                 output = np.array([next(ends)])
                 self._points.send(self._last, output, np.array([[OBJECTIVE]]), weight)
+
+
+def _ends_of(problem: ControlProblem) -> list[float]:
+    """Return the distance along the path at which a motion has to end, if any."""
+    ends = [item for item in problem.final if item.what.kind == "path" and item.what.index == 0]
+    return [item.low for item in ends[:1] if item.low == item.high]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -27,8 +28,14 @@ _COLUMNS = {
     "right": ColumnKind("m"),
     "left": ColumnKind("m"),
 }
-_ROWS = 240
-"""Rows of the table of a path."""
+_ROWS, _MOST_ROWS = 240, 30_720
+"""Rows of the table of a path, and at most: they are doubled until the path is true."""
+
+_TRUE = 1e-5
+"""By how much the curve through the rows may miss the path [m]."""
+
+_APART = 1.0
+"""Distance of places taken from a long OpenCRG road [m]."""
 
 _BEYOND = 0.2
 """Part of an open path that it is continued by at both ends, where a search may look."""
@@ -113,9 +120,11 @@ def _opencrg(form: StudyForm, given: Any, closed: bool) -> Line:
 
     path = form.path.parent / str(given)
     road = CrgRoad.read(path)
-    u = np.linspace(road.line.start, road.line.stop, _ROWS)
+    length = road.line.stop - road.line.start
+    count = int(np.clip(length / _APART + 1, _ROWS, _MOST_ROWS))
+    u = np.linspace(road.line.start, road.line.stop, count)
     x, y = road.place(u, np.zeros_like(u))
-    sides = np.array([[-road.edges[0]] * _ROWS, [road.edges[1]] * _ROWS])
+    sides = np.array([[-road.edges[0]] * count, [road.edges[1]] * count])
     return _through(path, x, y, sides, closed)
 
 
@@ -140,22 +149,40 @@ def _through(path: Path, x: Any, y: Any, sides: Any, closed: bool) -> Line:
     speed = np.hypot(*curve(fine, 1).T)
     along = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(fine))])
     length = float(along[-1])
-    s = _distances(length)
-    inside = np.clip(s, 0.0, length)
-    if closed:
-        inside = np.mod(s, length)
-    at = np.interp(inside, along, fine)
-    xy = curve(at) + (0.0 if closed else (s - inside)[:, None] * _direction(curve(at, 1)))
+
+    def at_distances(s: Floats) -> Floats:
+        inside = np.mod(s, length) if closed else np.clip(s, 0.0, length)
+        at = np.interp(inside, along, fine)
+        beyond = 0.0 if closed else (s - inside)[:, None] * _direction(curve(at, 1))
+        return np.asarray(curve(at) + beyond)
+
+    s, xy = _true_rows(at_distances, length)
     rows = np.column_stack([np.interp(chord, fine, along), -sides[0], sides[1]])
     return s, xy[:, 0], xy[:, 1], np.array([length, float(closed)]), rows
+
+
+def _true_rows(places: Callable[[Floats], Floats], length: float) -> tuple[Floats, Floats]:
+    """Return distances [m] with their places (n, 2), so many that a curve through them is true."""
+    from scipy.interpolate import CubicSpline
+
+    count = _ROWS
+    while True:
+        s = _distances(length, count)
+        xy = places(s)
+        between = 0.5 * (s[1:] + s[:-1])
+        between = between[(between > 0.0) & (between < length)]
+        missed = np.abs(CubicSpline(s, xy)(between) - places(between)).max()
+        if missed <= _TRUE or 2 * count > _MOST_ROWS:
+            return s, xy
+        count *= 2
 
 
 def _direction(slopes: Floats) -> Floats:
     return slopes / np.hypot(slopes[:, 0], slopes[:, 1])[:, None]
 
 
-def _distances(length: float) -> Floats:
-    return np.linspace(-_BEYOND * length, (1.0 + _BEYOND) * length, _ROWS)
+def _distances(length: float, count: int = _ROWS) -> Floats:
+    return np.linspace(-_BEYOND * length, (1.0 + _BEYOND) * length, count)
 
 
 def _require(form: StudyForm, kind: str, given: Any, keys: tuple[str, ...]) -> None:
