@@ -1,18 +1,24 @@
 """Constrained optimisation with exact gradients: scaling, optimiser and first-order optimality.
 
-The optimisers are scipy's; here are the scaling of variables to their bounds and of figures to
-their sizes, evaluations that are kept, and the check of the Karush-Kuhn-Tucker conditions.
+The optimisers are scipy's and IPOPT; here are the scaling of variables to their bounds and of
+figures to their sizes, evaluations that are kept, and the check of the Karush-Kuhn-Tucker
+conditions.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyse.interior_point import NonlinearProgram, Pattern, minimise
+from vehicledyn.analyse.objective import FigureValue, Values, parts_of
+from vehicledyn.analyse.trust_region.figure_models import EvaluatedPoint
+from vehicledyn.analyse.trust_region.search import PENALTY, VAGUE, ScaledTerms
+from vehicledyn.analyse.trust_region.search import search as search_by_models
+from vehicledyn.analyse.variable_box import VariableBox
 from vehicledyn.base.errors import NumericalError
 
 Floats = NDArray[np.float64]
@@ -29,27 +35,11 @@ _NEAR = 1e-6
 _LAST_STEP = 1e-12
 """Relative step and scaled gradient at which a search of least squares ends."""
 
-METHODS = ("slsqp", "ipopt")
+METHODS = ("trust_region", "slsqp", "ipopt")
 """Optimisers for constrained problems."""
 
 _WORSE = 10.0
 """Sizes of the objective that a point without a motion is worse than the start."""
-
-
-@dataclass(frozen=True)
-class Values:
-    """An objective, its gradient (n,), constraints c >= 0 (m,) and their gradients (m, n).
-
-    ``residuals`` (r,) and ``residual_slopes`` (r, n) are those whose squares, halved, add up to the
-    objective, none where it is no such sum.
-    """
-
-    objective: float
-    gradient: Floats
-    constraints: Floats
-    jacobian: Floats
-    residuals: Floats | None = None
-    residual_slopes: Floats | None = None
 
 
 @dataclass(frozen=True)
@@ -86,7 +76,7 @@ def optimise(
     bounds: tuple[Floats, Floats],
     tolerance: float,
     most_runs: int,
-    method: str = "slsqp",
+    method: str = "trust_region",
 ) -> Optimum:
     """Return where an objective is least within bounds and constraints.
 
@@ -106,8 +96,9 @@ def optimise(
     most_runs
         Evaluations after which the best point so far is returned.
     method
-        One of :data:`METHODS`; sums of squares without constraints are sought by scipy's
-        trust-region least squares instead of SLSQP.
+        One of :data:`METHODS`: a trust region with models of all figures, which takes the fewest
+        runs, or SLSQP, in whose place scipy's trust-region least squares seeks sums of squares
+        without constraints, or IPOPT.
 
     Raises
     ------
@@ -120,10 +111,12 @@ def optimise(
     Branch, Coleman, Li (1999), SIAM Journal on Scientific Computing 21, 1-23, least squares.
     """
     search = _Search(evaluate, bounds, most_runs)
-    scaled = (start - bounds[0]) / search.width
+    scaled = search.box.shares(start)
     first = search.at(scaled)
 
     def sought(begin: Floats) -> str:
+        if method == "trust_region":
+            return search_by_models(search, begin, tolerance)
         if method == "ipopt":
             return _by_ipopt(search, begin, tolerance, most_runs)
         if first.residuals is not None and not len(first.constraints):
@@ -153,7 +146,6 @@ _ENDS = {
 """What SLSQP's ends mean, by its own numbers."""
 
 _NO_WAY = "it found no way on from linear constraints that exclude each other"
-_VAGUE = "steps gain nothing any more, though the point is not stationary"
 
 
 def _by_slsqp(search: _Search, start: Floats, tolerance: float, most: int) -> str:
@@ -213,11 +205,21 @@ def _squared(
         ftol=tolerance,
         gtol=_LAST_STEP,
     )
-    return np.asarray(found.x, dtype=float), "" if found.success else _VAGUE
+    return np.asarray(found.x, dtype=float), "" if found.success else VAGUE
 
 
 class _EnoughError(Exception):
     """Ends a search after the runs that it may take."""
+
+
+@dataclass(frozen=True)
+class _Known:
+    """A point, scaled and not, with its evaluation by variables and by scaled variables."""
+
+    shares: Floats
+    point: Floats
+    values: Values
+    scaled: Values
 
 
 class _Search:
@@ -228,10 +230,11 @@ class _Search:
     ) -> None:
         self._evaluate, self._most = evaluate, most
         self._is_approaching = False
-        self._low, self.width = bounds[0], bounds[1] - bounds[0]
+        self.box = VariableBox(*bounds)
         self._known: dict[bytes, Values] = {}
-        self._points: list[tuple[Floats, Values]] = []
+        self._points: list[_Known] = []
         self.size, self.failures = 1.0, list[str]()
+        self._lost: set[bytes] = set()
         self._scales = np.zeros(0)
 
     def at(self, x: Floats) -> Values:
@@ -253,44 +256,72 @@ class _Search:
         return self._most if self._is_approaching or self.is_feasible else (self._most + 1) // 2
 
     def _new(self, x: Floats) -> Values:
-        point = self._low + self.width * x
+        """Return an evaluation with derivatives by the scaled variables."""
+        point = self.box.point(x)
         try:
             found = self._evaluate(point)
         except NumericalError as error:
             if not self._points:
                 raise
             self.failures.append(str(error))
-            first = self._points[0][1]
+            self._lost.add(x.tobytes())
+            first = self._points[0].scaled
             worse = first.objective + _WORSE * self.size
             return replace(
                 first,
                 objective=worse,
                 residuals=None if first.residuals is None else first.residuals * _WORSE,
             )
+        scaled = self.box.by_shares(found, point)
         if not self._points:
-            self.size = max(
-                abs(found.objective), float(np.max(np.abs(found.gradient * self.width)))
-            )
-            self.size = self.size or 1.0
-            slopes = np.max(np.abs(found.jacobian * self.width), axis=1, initial=0.0)
+            self.size = max(abs(found.objective), float(np.max(np.abs(scaled.gradient)))) or 1.0
+            slopes = np.max(np.abs(scaled.jacobian), axis=1, initial=0.0)
             self._scales = np.maximum(np.abs(found.constraints), slopes)
             self._scales[self._scales == 0.0] = 1.0
-        self._points.append((x.copy(), found))
-        return found
+        self._points.append(_Known(x.copy(), point, found, scaled))
+        return scaled
 
     def scaled(self, x: Floats) -> tuple[float, Floats, Floats, Floats]:
         """Return scaled objective, gradient, constraints and their gradients at a point."""
+        found = self._terms(self.at(x))
+        return found.objective, found.gradient, found.constraints, found.jacobian
+
+    def _terms(self, found: Values) -> ScaledTerms:
+        """Return what is scaled of an evaluation."""
+        rows = found.jacobian / self._scales[:, None]
+        gradient, constraints = found.gradient / self.size, found.constraints / self._scales
+        return ScaledTerms(found.objective / self.size, gradient, constraints, rows)
+
+    def run(self, x: Floats) -> tuple[EvaluatedPoint, ScaledTerms] | None:
+        """Return a run at a point with gradients by the scaled variables, None if it fails."""
         found = self.at(x)
-        rows = found.jacobian * self.width / self._scales[:, None]
-        gradient = found.gradient * self.width / self.size
-        return found.objective / self.size, gradient, found.constraints / self._scales, rows
+        if np.clip(x, 0.0, 1.0).tobytes() in self._lost:
+            return None
+        return EvaluatedPoint(x, parts_of(found).figures), self._terms(found)
+
+    def terms(self, figures: Mapping[str, FigureValue]) -> ScaledTerms:
+        """Return what figures make together."""
+        return self._terms(parts_of(self._points[0].scaled).compose(figures))
+
+    @property
+    def is_squares(self) -> bool:
+        """Whether the objective is a sum of squares."""
+        return self._points[0].scaled.residuals is not None
+
+    def optimality(self, x: Floats, terms: ScaledTerms) -> float:
+        """Return the largest part of the gradient that no active constraint or bound takes."""
+        return stationarity(x, terms)[0]
+
+    def price(self, x: Floats, terms: ScaledTerms) -> float:
+        """Return the sum of the multipliers of constraints, what a violation of all would gain."""
+        return float(stationarity(x, terms)[1].sum())
 
     def residuals(self, x: Floats) -> tuple[Floats, Floats]:
         """Return residuals and their gradients of the scaled objective."""
         found, size = self.at(x), np.sqrt(self.size)
         assert found.residuals is not None
         assert found.residual_slopes is not None
-        return found.residuals / size, found.residual_slopes * self.width / size
+        return found.residuals / size, found.residual_slopes / size
 
     def missed(self, x: Floats) -> tuple[Floats, Floats]:
         """Return by how much scaled constraints are missed, zero where kept, and the gradients."""
@@ -301,12 +332,12 @@ class _Search:
     @property
     def nearest(self) -> Floats:
         """The known point with the least squares of what constraints are missed by."""
-        return min(self._points, key=self._squares)[0]
+        return min(self._points, key=self._squares).shares
 
     @property
     def is_feasible(self) -> bool:
         """Whether a known point keeps all constraints."""
-        return any(self._violation(found) <= _ACTIVE for _, found in self._points)
+        return any(self._violation(item) <= _ACTIVE for item in self._points)
 
     @property
     def constraints(self) -> list[dict[str, object]]:
@@ -321,55 +352,49 @@ class _Search:
             }
         ]
 
-    def _squares(self, item: tuple[Floats, Values]) -> float:
+    def _squares(self, item: _Known) -> float:
         """Return the squares of what scaled constraints are missed by."""
-        return float(np.sum(np.minimum(item[1].constraints / self._scales, 0.0) ** 2))
+        return float(np.sum(np.minimum(item.scaled.constraints / self._scales, 0.0) ** 2))
 
-    def _violation(self, found: Values) -> float:
-        return float(np.max(-found.constraints / self._scales, initial=0.0))
+    def _violation(self, item: _Known) -> float:
+        return self._terms(item.scaled).violation
 
     def best(self, message: str) -> Optimum:
-        """Return the best point: the least objective of those that keep the constraints."""
-        allowed = [item for item in self._points if self._violation(item[1]) <= _ACTIVE]
+        """Return the best point that keeps the constraints, with a price on what is let through."""
+        allowed = [item for item in self._points if self._violation(item) <= _ACTIVE]
         if allowed:
-            x, found = min(allowed, key=lambda item: item[1].objective)
+            best = min(allowed, key=lambda item: self._terms(item.scaled).merit(PENALTY))
         else:
-            x, found = min(self._points, key=self._squares)
-        optimality, multipliers, at_bound = self._stationarity(x, found)
-        if allowed and optimality <= _STATIONARY:
+            best = min(self._points, key=self._squares)
+        left, multipliers, at_bound = stationarity(best.shares, self._terms(best.scaled))
+        if allowed and left <= _STATIONARY:
             message = ""
-        history = [
-            (self._low + self.width * x, item.objective, self._violation(item))
-            for x, item in self._points
-        ]
         return Optimum(
-            self._low + self.width * x,
-            found,
-            optimality,
-            self._violation(found),
+            best.point,
+            best.values,
+            left,
+            self._violation(best),
             multipliers * self.size / self._scales if multipliers.size else multipliers,
             at_bound,
             len(self._known),
             self.failures,
             message or "converged",
-            history,
+            [(item.point, item.values.objective, self._violation(item)) for item in self._points],
         )
 
-    def _stationarity(self, x: Floats, found: Values) -> tuple[float, Floats, list[int]]:
-        """Return what no active constraint takes of the gradient, and the multipliers."""
-        from scipy.optimize import nnls
 
-        gradient = found.gradient * self.width / self.size
-        scaled = found.constraints / self._scales
-        active = [k for k, value in enumerate(scaled) if value <= _ACTIVE]
-        lower, upper = np.flatnonzero(x <= _ACTIVE), np.flatnonzero(x >= 1.0 - _ACTIVE)
-        unit = np.eye(len(x))
-        rows = found.jacobian[active] * self.width / self._scales[active][:, None]
-        columns = np.vstack([rows, unit[lower], -unit[upper]]).T
-        multipliers = np.zeros(len(scaled))
-        if not columns.shape[1]:
-            return float(np.max(np.abs(gradient))), multipliers, []
-        weights, _ = nnls(columns, gradient)
-        multipliers[active] = weights[: len(active)]
-        left = float(np.max(np.abs(columns @ weights - gradient)))
-        return left, multipliers, sorted({*map(int, lower), *map(int, upper)})
+def stationarity(x: Floats, terms: ScaledTerms) -> tuple[float, Floats, list[int]]:
+    """Return what no active constraint takes of the gradient, multipliers, variables at bounds."""
+    from scipy.optimize import nnls
+
+    active = [k for k, value in enumerate(terms.constraints) if value <= _ACTIVE]
+    lower, upper = np.flatnonzero(x <= _ACTIVE), np.flatnonzero(x >= 1.0 - _ACTIVE)
+    unit = np.eye(len(x))
+    columns = np.vstack([terms.jacobian[active], unit[lower], -unit[upper]]).T
+    multipliers = np.zeros(len(terms.constraints))
+    if not columns.shape[1]:
+        return float(np.max(np.abs(terms.gradient))), multipliers, []
+    weights, _ = nnls(columns, terms.gradient)
+    multipliers[active] = weights[: len(active)]
+    left = float(np.max(np.abs(columns @ weights - terms.gradient)))
+    return left, multipliers, sorted({*map(int, lower), *map(int, upper)})

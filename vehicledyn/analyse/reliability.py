@@ -14,7 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.analyse.optimise import Values, optimise
+from vehicledyn.analyse.objective import Values
+from vehicledyn.analyse.optimise import optimise
 from vehicledyn.analyse.uncertainty import Distribution
 
 Floats = NDArray[np.float64]

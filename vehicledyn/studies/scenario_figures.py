@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from vehicledyn.analyse.gradients.key_figures import FigureSlope, unit_of
+from vehicledyn.analyse.gradients.key_figures import NOT_LINEAR, FigureSlope, unit_of
+from vehicledyn.analyse.gradients.motion_slopes import MotionSlopes
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.analyses.sensitivity.confirmation import unconfirmed_of
 from vehicledyn.analyses.sensitivity.driving_failures import driving_failure
@@ -27,15 +29,29 @@ from vehicledyn.studies.refused_values import written
 
 _LISTED = 4
 
+_MOST_SAMPLES = 50_000
+"""Derivatives of the samples of a channel that are kept of a run."""
+
+
+class FigureSamples(NamedTuple):
+    """Samples of a channel (s,), their times, and derivatives (s, n); ``kind`` is its figure's."""
+
+    kind: str
+    times: np.ndarray
+    values: np.ndarray
+    slopes: np.ndarray
+
 
 class Found(NamedTuple):
     """Figures with their derivatives, and how the vehicle failed in the run, empty if it did not.
 
-    Where derivatives were not wanted they are zero.
+    Where derivatives were not wanted they are zero. ``samples`` are those of the figures of a
+    channel that are not linear in it, by name, unless they are too many.
     """
 
     pairs: list[tuple[FigureSlope, Quantity]]
     failure: str = ""
+    samples: Mapping[str, FigureSamples] = MappingProxyType({})
 
 
 class ScenarioFigures(Protocol):
@@ -157,7 +173,23 @@ class RunFigures:
             motion = study.followed(chosen, progress)
         else:
             motion = study.plain(progress)
-        return Found(study.figures(self.asked, motion), driving_failure(study, motion))
+        samples = self._samples(motion) if follows else {}
+        return Found(study.figures(self.asked, motion), driving_failure(study, motion), samples)
+
+    def _samples(self, motion: MotionSlopes) -> dict[str, FigureSamples]:
+        """Return the samples of channels whose figures are not linear in them."""
+        channels = self.study.prepared.equations.channels
+        names = [channels[k].name for k in self.study.channels]
+        if motion.slopes[:, 0].size > _MOST_SAMPLES or motion.ended_by:
+            return {}
+        return {
+            f"{kind}({name})": FigureSamples(
+                kind, motion.times, motion.values[:, place], motion.slopes[:, place]
+            )
+            for kind, name in self.asked.figures
+            if kind in NOT_LINEAR
+            for place in (names.index(name),)
+        }
 
     def unconfirmed(self, point: Mapping[str, float]) -> list[str]:
         """Return warnings of derivatives at a point that differences of runs do not confirm."""

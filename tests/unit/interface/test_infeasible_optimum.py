@@ -7,7 +7,8 @@ import pytest
 import yaml
 
 import vehicledyn as vd
-from vehicledyn.analyse.optimise import Values, optimise
+from vehicledyn.analyse.objective import Values
+from vehicledyn.analyse.optimise import optimise
 from vehicledyn.cli import main
 
 SYSTEM = """\

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import vehicledyn as vd
-from vehicledyn.analyse.optimise import Values, optimise
+from vehicledyn.analyse.objective import Values
+from vehicledyn.analyse.optimise import optimise
 from vehicledyn.base.errors import InputError, NumericalError
 
 SCENARIO = """\
@@ -95,7 +96,7 @@ def test_a_stopped_search_goes_on_to_the_same_optimum(tmp_path, monkeypatch):
         ("scenarios: run.yaml", "scenarios: none.yaml", "none.yaml"),
         ("minimise:", "front: {figure: rms(strut.rate)}\nminimise:", "a list at_most or"),
         ("minimise:", "starts: 0\nminimise:", "a whole number of at least 1"),
-        ("minimise:", "optimiser: simplex\nminimise:", "known: slsqp, ipopt"),
+        ("minimise:", "optimiser: simplex\nminimise:", "known: trust_region, slsqp, ipopt"),
         ("minimise:", "choices: {speed: 3}\nminimise:", "a list of values"),
         ("minimise:", "least_squares: {a: {target: 1, size: 1}}\nminimise:", "either minimise or"),
         ("minimise:", "scatter: {body.mas: {kind: normal}}\nminimise:", "did you mean 'body.mass'"),

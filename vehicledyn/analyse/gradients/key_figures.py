@@ -123,6 +123,10 @@ KINDS: dict[str, Callable[[Floats, Floats, Floats, Floats], FigureSlope]] = {
 """Figures by name; the peak is the value of largest magnitude, with its sign."""
 
 
+NOT_LINEAR = ("max", "min", "peak", "rms", "mean_square")
+"""Figures that are not linear in their channel."""
+
+
 def moved_slope(kind: str, time: Floats, values: Floats, tangent: Floats) -> Floats:
     """Return how the derivatives of a figure by the samples change along a tangent of these.
 
@@ -139,6 +143,36 @@ def moved_slope(kind: str, time: Floats, values: Floats, tangent: Floats) -> Flo
     if root == 0.0:
         return np.zeros(len(time))
     return np.asarray(0.5 * moved / root - 0.25 * own * float(own @ tangent) / root**3)
+
+
+def gauss_newton(kind: str, time: Floats, values: Floats, slopes: Floats) -> Floats | None:
+    """Return the part of a figure's second derivatives that its channel's first ones make.
+
+    For mean squares m = w . y² it is 2 w . ẏ ẏᵀ, for their roots r (w . ẏ ẏᵀ - r' r'ᵀ) / r; never
+    negative along a direction, and all of it where the channel is linear in the parameters.
+
+    Parameters
+    ----------
+    kind
+        Name of the figure.
+    time, values
+        Samples, shape (n_times,).
+    slopes
+        Their derivatives, shape (n_times, n_directions).
+
+    Returns
+    -------
+    Floats | None
+        Shape (n_directions, n_directions); none for other figures and channels that are zero.
+    """
+    if kind not in ("rms", "mean_square"):
+        return None
+    products = slopes[:, :, None] * slopes[:, None, :]
+    mean = np.asarray(np.trapezoid(products, time, axis=0) / (time[-1] - time[0]), dtype=float)
+    if kind == "mean_square":
+        return 2.0 * mean
+    root = figure_slope("rms", time, values, slopes)
+    return None if root.trouble else (mean - np.outer(root.slope, root.slope)) / root.value
 
 
 def sampled_slopes(

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.analyse.optimise import Values
+from vehicledyn.analyse.objective import Values
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.base.step_memory import Memory
@@ -24,6 +24,7 @@ from vehicledyn.studies.optimisation.checks import (
     note_mistakes,
     read_bounds,
 )
+from vehicledyn.studies.optimisation.figures import Figures
 from vehicledyn.studies.optimisation.scatter import Scatter, combined
 from vehicledyn.studies.optimisation.study import Limit, OptimisationStudy
 from vehicledyn.studies.scenario_figures import ScenarioFigures, figures_of
@@ -48,7 +49,9 @@ class _Part:
     ) -> dict[str, Any]:
         """Return figures and gradients by variables, zero if not wanted, or why there are none."""
         try:
-            found, failure = self.of.at(changes, variables, follows=follows, progress=silent)
+            found, failure, samples = self.of.at(
+                changes, variables, follows=follows, progress=silent
+            )
         except NumericalError as error:
             failure = str(error)
         if failure:
@@ -62,27 +65,8 @@ class _Part:
             "values": {n: slope.value for n, (slope, _) in pairs},
             "slopes": {n: slope.slope.tolist() if follows else nothing for n, (slope, _) in pairs},
             "units": {n: quantity.unit for n, (_, quantity) in pairs},
+            "samples": {f"{self.head}{name}": tuple(item) for name, item in samples.items()},
         }
-
-
-@dataclass(frozen=True)
-class Figures:
-    """Figures by name with gradients (n,), means of scattering ones with their deviations."""
-
-    values: dict[str, float]
-    slopes: dict[str, Floats]
-    deviations: dict[str, float]
-    deviation_slopes: dict[str, Floats]
-
-    @staticmethod
-    def of(entry: dict[str, Any]) -> Figures:
-        """Return the figures of an evaluation that was kept."""
-        deviations = entry.get("deviations", {})
-        slopes, others = (
-            {name: np.array(row) for name, row in entry.get(key, {}).items()}
-            for key in ("slopes", "deviation_slopes")
-        )
-        return Figures(dict(entry["values"]), slopes, dict(deviations), others)
 
 
 class Problem:
@@ -181,7 +165,8 @@ class Problem:
             objective = 0.5 * float(missed @ missed)
             gradient = missed_slopes.T @ missed
         bounds = np.array(constraints), np.array(rows).reshape(len(rows), n)
-        return Values(objective, np.asarray(gradient), *bounds, missed, missed_slopes)
+        parts = at.parts(lambda other: self._values(other, n, further))
+        return Values(objective, np.asarray(gradient), *bounds, missed, missed_slopes, parts)
 
     def _worse(self, at: Figures, name: str, side: float) -> tuple[float, Floats]:
         """Return a figure, or its mean moved by deviations to a side, with its gradient."""
@@ -255,7 +240,7 @@ class Problem:
                 found = list(
                     pool.map(lambda run: run[0].at(run[1], names, follows=follows), wanted_runs)
                 )
-        units: dict[str, str] = {}
+        units, samples = dict[str, str](), dict[str, Any]()
         runs: list[tuple[dict[str, float], dict[str, list[float]]]] = [({}, {}) for _ in nodes]
         for place, entry in enumerate(found):
             if "failure" in entry:
@@ -264,7 +249,9 @@ class Problem:
             values |= entry["values"]
             slopes |= entry["slopes"]
             units |= entry["units"]
-        return combined(self._scatter, runs) | {"units": units}
+            samples |= entry["samples"]
+        known = {} if self._scatter.laws else samples
+        return combined(self._scatter, runs) | {"units": units, "samples": known}
 
 
 def _parts(study: OptimisationStudy, progress: Progress) -> list[_Part]:

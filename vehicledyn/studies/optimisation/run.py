@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyse.global_search import explore
-from vehicledyn.analyse.optimise import Optimum, Values, optimise
+from vehicledyn.analyse.objective import Values
+from vehicledyn.analyse.optimise import Optimum, optimise
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.analyses.preparation.target_digest import digests_to_keep
 from vehicledyn.base.errors import NumericalError

@@ -85,7 +85,7 @@ class OptimisationStudy:
     seed: int = 1
     front: Front | None = None
     targets: tuple[WantedFigure, ...] = ()
-    optimiser: str = "slsqp"
+    optimiser: str = "trust_region"
     explore: int = 0
     scatter: dict[str, Any] = field(default_factory=dict)
     deviations: float = 3.0

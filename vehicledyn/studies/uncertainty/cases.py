@@ -167,7 +167,7 @@ class Cases:
         changes = dict(zip(self.names, map(float, point), strict=True))
         values = ", ".join(f"{name} = {value:.6g}" for name, value in changes.items())
         try:
-            pairs, lost = self.of_scenario.at(
+            pairs, lost, _ = self.of_scenario.at(
                 changes, self.names, follows=follows, progress=self.progress
             )
         except NumericalError as error:

@@ -1,0 +1,1 @@
+"""Search of an optimum on models of all figures, made of the values and gradients of few runs."""
