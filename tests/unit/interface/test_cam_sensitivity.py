@@ -151,3 +151,12 @@ def test_outlines_are_refused(tmp_path):
     path.write_text(text + "follower: {kind: flat}\n", encoding="utf-8")
     with pytest.raises(InputError, match="sought point by point"):
         vd.sensitivity(path, "cam(lift, 3 deg)")
+
+
+def test_a_dwell_at_the_end_of_a_law_has_no_corner(tmp_path):
+    """The least lift is that of the dwell, from where the first law begins."""
+    path = tmp_path / "cam.yaml"
+    path.write_text(_text("roller"), encoding="utf-8")
+    found = vd.sensitivity(path, ["cam(min(lift))", "cam(lift, 195 deg)"], ["motion.*", "base_*"])
+    assert found["figure_slope"].values == pytest.approx(0.0, abs=1e-20)
+    assert not found.notes

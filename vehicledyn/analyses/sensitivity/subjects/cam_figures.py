@@ -33,8 +33,9 @@ _FEWEST = 3600
 """Angles of a turn, at least, among which an extreme is sought."""
 
 _STEP, _BESIDE = 1e-40, 1e-9
-_CORNER = 1e-6
-"""Part of a derivative by which those at both sides of an angle may differ, without a corner."""
+_CORNER, _FELT = 1e-6, 1e-12
+"""Part of a derivative by which those at both sides of an angle may differ, without a corner, and
+part of a column's largest size by which its measures move it at least for that."""
 
 
 @dataclass(frozen=True)
@@ -81,7 +82,8 @@ def find_cam_sensitivity(
     progress("differentiating the cam", None)
     measures = list(_measures(cam))
     chosen = [measures[k] for k in matching([m.quantity.name for m in measures], to, cam.title)]
-    known = cam_columns(cam, np.zeros(1))
+    known = cam_columns(cam, cam.samples(max(cam.steps, _FEWEST))[:-1])
+    sizes = {name: _largest(np.asarray(item.values)) for name, item in known.items()}
     figures, values, slopes, notes = [], [], [], []
     for name, (kind, column, angles) in zip(of, asked, strict=True):
         if column not in known:
@@ -92,7 +94,7 @@ def find_cam_sensitivity(
             if kind:
                 words = f"{_WORDS[kind]} of {words[0].lower()}{words[1:]}"
             quantity = Quantity(title, unit, words)
-            value, slope, has_corner = _found(cam, column, theta, chosen)
+            value, slope, has_corner = _found(cam, (column, sizes[column]), theta, chosen)
             sign = np.sign(value) if kind == "peak" else 1.0
             figures.append(quantity)
             values.append(sign * value)
@@ -113,9 +115,13 @@ def find_cam_sensitivity(
 
 
 def _found(
-    cam: CamFile, column: str, theta: float, chosen: Sequence[_Measure]
+    cam: CamFile, sized: tuple[str, float], theta: float, chosen: Sequence[_Measure]
 ) -> tuple[float, Floats, bool]:
-    """Return a column at an angle, its derivatives, not numbers at a corner, and whether it is."""
+    """Return a column at an angle, its derivatives, not numbers at a corner, and whether it is.
+
+    The column is given with its largest size.
+    """
+    column, size = sized
     angles = theta + _BESIDE * np.array([0.0, -1.0, 1.0])
     value = float(cam_columns(cam, angles[:1])[column].values[0])
     moved = [
@@ -126,8 +132,13 @@ def _found(
     sizes = np.array([abs(m.value) or 1.0 for m in chosen])[:, None]
     largest = float(np.max(np.abs(rows * sizes), initial=0.0))
     apart = np.abs(rows[:, 1] - rows[:, 2]) * sizes[:, 0]
-    lost = (apart > _CORNER * largest) | ~np.isfinite(rows).all(axis=1)
+    lost = (apart > np.maximum(_CORNER * largest, _FELT * size)) | ~np.isfinite(rows).all(axis=1)
     return value, np.where(lost, np.nan, rows[:, 0]), bool(lost.any())
+
+
+def _largest(values: Floats) -> float:
+    """Return the largest size of finite values."""
+    return float(np.max(np.abs(values[np.isfinite(values)]), initial=0.0))
 
 
 def _extreme(cam: CamFile, kind: str, column: str) -> float:
