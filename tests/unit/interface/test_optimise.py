@@ -133,19 +133,28 @@ def test_a_front_of_compromises_and_several_starts(tmp_path):
     assert "front: objective" in found.report.as_text()
 
 
+RATTLING = """\
+title: A block comes to rest by dry friction
+gravity: [0, 0, 0]
+parameters: {stiffness: 100 N/m, friction: 5 N}
+bodies: {block: {joints: [T1 x], mass: 1 kg}}
+forces:
+  f: {coordinate: block.x, force: "-stiffness*position - friction*where(rate > 0 m/s, 1, -1)"}
+initial: {block.x_rate: 1 m/s}
+"""
+
+
 @pytest.mark.long
 def test_gradients_that_runs_do_not_confirm_are_reported(tmp_path):
-    """The pin of a Geneva drive enters its slot, a jump that is no event."""
-    scenario = "model: geneva_drive\nduration: 1 s\nsolver: {kind: rk4, step: 1 ms}\n"
-    scenario += "output: {interval: 5 ms}\n"
-    (tmp_path / "run.yaml").write_text(f"title: Geneva\n{scenario}", encoding="utf-8")
-    path = tmp_path / "study.yaml"
-    path.write_text(
-        "scenarios: run.yaml\nmost_runs: 2\nminimise: mean(driver.angle_rate)\n"
-        "variables: {motor.torque: {from: 1 N*m, to: 2 N*m}, "
-        "motor.slope: {from: 0.01 N*m*s/rad, to: 0.1 N*m*s/rad}}\n",
-        encoding="utf-8",
+    """A force that holds the block changes its sign in every step."""
+    (tmp_path / "rattling.yaml").write_text(RATTLING, encoding="utf-8")
+    path = study(
+        tmp_path,
+        "scenarios: run.yaml\nmost_runs: 2\nminimise: mean(block.x)\n"
+        "variables: {stiffness: {from: 90 N/m, to: 110 N/m}, friction: {from: 4 N, to: 6 N}}\n",
     )
+    run = SCENARIO.replace("model: quarter_car", "model: rattling.yaml").replace("2 s", "1 s")
+    (tmp_path / "run.yaml").write_text(run.replace("step: 5 ms", "step: 1 ms"), encoding="utf-8")
     with pytest.warns(vd.AccuracyWarning, match="do not confirm"):
         vd.optimise(path)
 
