@@ -84,7 +84,16 @@ def test_a_figure_of_samples_that_tie_has_no_derivative():
     smooth = sampled_slopes(
         lambda y: {"sum": float((y**3).sum())}, values[:, None], slopes[:, None]
     )
-    assert smooth["sum"].slope == pytest.approx([3.0 + 6.0], rel=1e-9)
+    assert smooth["sum"].slope == pytest.approx([3.0 + 6.0], rel=1e-12)
+    far = {"ratio": lambda y: float(y.max() / y.min()), "one": lambda y: float(y[3, 0])}
+    raised = sampled_slopes(lambda y: {n: f(y) for n, f in far.items()}, *_raised(values, slopes))
+    assert raised["one"].slope == pytest.approx([2e-3], rel=1e-9)
+    assert raised["ratio"].slope == pytest.approx([1e-3 / 100.0], rel=1e-9)
+
+
+def _raised(values, slopes):
+    """Return samples far above zero that move little; the second is the largest."""
+    return 100.0 + values[:, None] + 0.1 * (np.arange(5) == 1)[:, None], 1e-3 * slopes[:, None]
 
 
 def test_a_derivative_that_is_not_finite_is_no_derivative():

@@ -16,8 +16,15 @@ _FACTOR = re.compile(r"([A-Za-z%°]+)(?:\^(-?\d+))?")
 _TIE = 1e-12
 """Part of a channel's range within which two samples far apart are equally extreme."""
 
-_STEP = 1e-5
-"""Part of a channel's range by which samples are moved to see how a function of them changes."""
+_STEPS = 1e-3, 1e-4, 1e-5
+"""Parts of a channel's range by which samples are moved to see how a function of them changes: the
+first at which its differences agree, since larger ones feel rounding less."""
+
+_AGREES = 1e-11
+"""Part of a derivative within which two of Richardson's differences agree."""
+
+_ROUNDING = 1e-15
+"""Part of a function that rounding makes of it."""
 
 _CORNER = 1e-3
 """Part of a derivative by which those to both sides may differ, where they do not come closer."""
@@ -202,20 +209,48 @@ def sampled_slopes(
         if not np.isfinite(size).all():
             troubles = dict.fromkeys(known, "a channel behind it has no finite derivative")
             continue
-        ratios = size[spread > 0.0] / spread[spread > 0.0]
-        step = _STEP / max(float(np.max(ratios, initial=0.0)), 1e-300)
         if not np.any(size):
             for name in known:
                 found[name][k] = 0.0
             continue
-        sides = [function(values + h * slopes[:, :, k]) for h in (step, -step, step / 2, -step / 2)]
-        for name, middle in known.items():
-            ahead, behind, near, nearer = (side.get(name, np.nan) for side in sides)
-            wide, narrow = (ahead - behind) / (2.0 * step), (near - nearer) / step
-            found[name][k] = (4.0 * narrow - wide) / 3.0
-            bend = abs(ahead - 2.0 * middle + behind) / step
-            bend_near = abs(near - 2.0 * middle + nearer) / (step / 2.0)
-            floor = max(_CORNER * abs(narrow), 1e-9 * abs(middle) / step)
-            if not np.isfinite(bend) or (bend_near > floor and bend_near > 0.75 * bend):
-                troubles[name] = "it has a corner here"
+        ratios = size[spread > 0.0] / spread[spread > 0.0]
+        whole = 1.0 / max(float(np.max(ratios, initial=0.0)), 1e-300)
+        errors = dict.fromkeys(known, np.inf)
+        for step in (part * whole for part in _STEPS):
+            moves = [function(values + h * slopes[:, :, k]) for h in _both_sides(step)]
+            for name, middle in known.items():
+                if errors[name] == 0.0:
+                    continue
+                numbers = np.array([item.get(name, np.nan) for item in moves])
+                slope, error = _romberg(numbers, step)
+                if not error > errors[name]:
+                    found[name][k], errors[name] = slope, error
+                if _is_corner(numbers, middle, step):
+                    errors[name] = np.inf
+                    if step == _STEPS[-1] * whole:
+                        troubles[name] = "it has a corner here"
+                elif error <= _AGREES * abs(slope) + _ROUNDING * abs(middle) / step:
+                    errors[name] = 0.0
+            if not any(errors.values()):
+                break
     return {name: FigureSlope(value, found[name], troubles[name]) for name, value in known.items()}
+
+
+def _both_sides(step: float) -> list[float]:
+    return [side * part * step for part in (1.0, 0.5, 0.25) for side in (1.0, -1.0)]
+
+
+def _romberg(numbers: Floats, step: float) -> tuple[float, float]:
+    """Return a derivative by differences of three sizes, and how far two guesses of it differ."""
+    wide, narrow, least = (numbers[::2] - numbers[1::2]) / (step * np.array([2.0, 1.0, 0.5]))
+    first, second = (4.0 * narrow - wide) / 3.0, (4.0 * least - narrow) / 3.0
+    return float((16.0 * second - first) / 15.0), float(abs(second - first))
+
+
+def _is_corner(numbers: Floats, middle: float, step: float) -> bool:
+    """Return whether differences to both sides stay apart."""
+    ahead, behind, near, nearer = numbers[:4]
+    bend = abs(ahead - 2.0 * middle + behind) / step
+    bend_near = abs(near - 2.0 * middle + nearer) / (step / 2.0)
+    floor = max(_CORNER * abs(near - nearer) / step, 1e-9 * abs(middle) / step)
+    return bool(not np.isfinite(bend) or (bend_near > floor and bend_near > 0.75 * bend))
