@@ -9,6 +9,8 @@ import vehicledyn as vd
 from vehicledyn.analyse.objective import Values
 from vehicledyn.analyse.optimise import optimise
 from vehicledyn.base.errors import InputError, NumericalError
+from vehicledyn.results.store.linear_file import Quantity
+from vehicledyn.studies.failed_runs import failure_notes, with_values
 
 SCENARIO = """\
 title: A quarter car on a shaker
@@ -54,7 +56,8 @@ def test_a_constrained_optimum_is_stationary(tmp_path):
 def test_a_stopped_search_goes_on_to_the_same_optimum(tmp_path, monkeypatch):
     """Runs that were kept are not computed again; the result is the same to the last bit."""
     path = study(tmp_path)
-    whole = vd.optimise(path)["variable_best"].values
+    found = vd.optimise(path)
+    whole = found["variable_best"].values
     from vehicledyn.studies.optimisation import problem
 
     new, count = problem.Problem._new, []
@@ -72,7 +75,8 @@ def test_a_stopped_search_goes_on_to_the_same_optimum(tmp_path, monkeypatch):
     kept.write_bytes(kept.read_bytes() + b"cut off")
     again = vd.optimise(path, save_to=tmp_path / "out.h5", resume=True)
     assert (again["variable_best"].values == whole).all()
-    assert any("2 runs were known" in note for note in again.notes)
+    assert again.notes == found.notes
+    assert "2 runs were known" in again.report.as_text()
     assert not kept.exists()
 
 
@@ -186,6 +190,10 @@ def test_a_failed_run_is_retreated_from():
     )
     assert found.variables == pytest.approx([1.9], abs=1e-5)
     assert json.dumps(found.failures) == json.dumps(["flies off"] * len(found.failures))
+    point = with_values([Quantity("angle", "rad", "")], [np.pi])
+    notes = failure_notes([f"{point}: flies off"] * 6)
+    assert notes[:4] == ["a run failed with angle = 180 deg: flies off"] * 4
+    assert notes[4:] == ["2 further runs failed; all were retreated from"]
 
 
 def test_the_system_found_is_written_as_a_file(tmp_path):

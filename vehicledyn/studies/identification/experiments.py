@@ -18,6 +18,7 @@ from vehicledyn.base.problems import Place
 from vehicledyn.base.step_memory import Memory
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.results.store.linear_file import Quantity
+from vehicledyn.studies.failed_runs import with_values
 from vehicledyn.studies.mistakes import Mistakes
 
 if TYPE_CHECKING:
@@ -91,7 +92,7 @@ class Fitting:
         """
         entry = self._entry(unknowns, point)
         if "failure" in entry:
-            raise NumericalError(str(entry["failure"]))
+            raise NumericalError(f"{with_values(unknowns.quantities, point)}: {entry['failure']}")
         times = np.array(entry["times"])
         values, slopes = [], []
         for item in self.experiment.measured:

@@ -16,6 +16,7 @@ from vehicledyn.base.units import digits_of, shown
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.results.tables.identification_table import IdentificationTable
+from vehicledyn.studies.failed_runs import failure_notes, known_runs
 from vehicledyn.studies.identification.experiments import (
     Experiment,
     Fitting,
@@ -50,6 +51,8 @@ class IdentificationReport:
     found: Estimate
     table: IdentificationTable
     held_out: list[tuple[str, float]] = field(default_factory=list)
+    n_known: int = 0
+    """Runs that were known from before, which the result does not depend on."""
 
     @property
     def messages(self) -> tuple[str, ...]:
@@ -66,7 +69,7 @@ class IdentificationReport:
             value = shown(float(found.values[k]), unit, digits)
             lines.append(f"  {name} = {value}  (95 %: {low} to {high})")
         lines.append(f"residuals: {np.sqrt(found.variance):.3g} of the noise given")
-        return "\n".join([*lines, *self.table.notes])
+        return "\n".join([*lines, *self.table.notes, *known_runs(self.n_known)])
 
     def as_dict(self) -> dict[str, Any]:
         """Return everything as plain data, in SI; null for an interval without ends."""
@@ -172,9 +175,11 @@ def identify_from(
     notes = [
         f"held out: {name}, residuals {size:.3g} of the noise given" for name, size in foretold
     ]
-    notes += [*remarks, *_notes(unknowns, found, chosen, runs)]
+    notes += [*remarks, *_notes(unknowns, found, chosen)]
     table = _table(title, unknowns, found, chosen, notes)
-    return IdentificationReport(title, unknowns.names, unknowns.units, found, table, foretold)
+    return IdentificationReport(
+        title, unknowns.names, unknowns.units, found, table, foretold, n_known=runs.n_known
+    )
 
 
 def checked_unknowns(
@@ -248,12 +253,10 @@ def _table(
     )
 
 
-def _notes(
-    unknowns: Unknowns, found: Estimate, fittings: list[Fitting], known: Memory
-) -> list[str]:
+def _notes(unknowns: Unknowns, found: Estimate, fittings: list[Fitting]) -> list[str]:
     """Return what a reader of the result must know of it."""
     names = unknowns.names
-    notes = [f"a run failed: {reason}" for reason in found.failures]
+    notes = failure_notes(found.failures)
     if found.message != "converged":
         notes.append(f"warning: the search has not converged: {found.message}")
     for row in found.blind:
@@ -271,6 +274,4 @@ def _notes(
                 f"up to {missed:.2g} of the noise; give it a smaller output.interval"
             )
         notes += [*item.study.notes, *item.unconfirmed(unknowns, found.values)]
-    if known.n_known:
-        notes.append(f"{known.n_known} runs were known from before")
     return list(dict.fromkeys(notes))

@@ -17,6 +17,7 @@ from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.base.step_memory import Memory
 from vehicledyn.base.units import to_si
+from vehicledyn.studies.failed_runs import with_values
 from vehicledyn.studies.mistakes import silent
 from vehicledyn.studies.optimisation.checks import (
     check_limits,
@@ -131,7 +132,8 @@ class Problem:
             check_limits(self._study, self.units)
             self._study.form.refuse()
         if "failure" in entry:
-            raise NumericalError(str(entry["failure"]))
+            where = with_values(self.variables, point)
+            raise NumericalError(f"{where}: {entry['failure']}")
         return Figures.of(entry)
 
     def values(self, point: Floats, further: Sequence[Limit] = ()) -> Values:

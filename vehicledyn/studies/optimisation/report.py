@@ -7,6 +7,7 @@ from typing import Any
 
 from vehicledyn.base.units import shown
 from vehicledyn.results.tables.optimum_table import OptimumTable
+from vehicledyn.studies.failed_runs import known_runs
 
 INFEASIBLE = "no point was found that keeps all constraints"
 
@@ -42,6 +43,8 @@ class OptimumReport:
     rank: tuple[float, float] = (0.0, 0.0)
     """By which part of its limit a constraint is missed, zero where all are kept; the objective."""
     missed: tuple[Missed, ...] = ()
+    n_known: int = 0
+    """Runs that were known from before, which the result does not depend on."""
 
     @property
     def messages(self) -> tuple[str, ...]:
@@ -76,7 +79,7 @@ class OptimumReport:
                 + ("" if item.is_kept else "  constraints not kept")
                 for item in table.front
             ]
-        return "\n".join([*lines, *table.notes])
+        return "\n".join([*lines, *table.notes, *known_runs(self.n_known)])
 
     def as_dict(self) -> dict[str, Any]:
         """Return everything as plain data, in SI."""

@@ -23,6 +23,7 @@ from vehicledyn.base.units import shown
 from vehicledyn.results.hdf5.kept_work import KeptWork
 from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.results.tables.optimum_table import KEPT, FrontPoint, OptimumTable
+from vehicledyn.studies.failed_runs import failure_notes
 from vehicledyn.studies.optimisation.problem import Problem
 from vehicledyn.studies.optimisation.report import INFEASIBLE, Missed, OptimumReport
 from vehicledyn.studies.optimisation.study import Limit, OptimisationStudy
@@ -112,7 +113,10 @@ def _optimum(
         table = replace(table, status="infeasible", message=f"{INFEASIBLE} ({words})")
         table = replace(table, notes=(*table.notes, _advice(study, problem, found)))
     rank = _rank(problem, found)
-    return OptimumReport(table, limits, found.multipliers.tolist(), found.at_bound, rank, missed)
+    multipliers = found.multipliers.tolist()
+    return OptimumReport(
+        table, limits, multipliers, found.at_bound, rank, missed, n_known=problem.n_known
+    )
 
 
 def _missed(problem: Problem, found: Optimum) -> tuple[Missed, ...]:
@@ -288,10 +292,8 @@ def _table(
     slopes: dict[str, Any],
 ) -> OptimumTable:
     names = problem.figures
-    notes = [f"a run failed: {reason}" for reason in found.failures]
+    notes = failure_notes(found.failures)
     notes += doubts(found, was_stopped=found.n_runs >= study.most_runs)
-    if problem.n_known:
-        notes.append(f"{problem.n_known} runs were known from before")
     points, objective, violation = zip(*found.history, strict=True)
     return OptimumTable(
         study.title,
