@@ -51,7 +51,8 @@ def optimise_manoeuvre(
     InputError
         If the study, its model or a setting cannot be used.
     NumericalError
-        If the model has no start, or no optimum was found; ``save_to`` then holds the last point.
+        If the model has no start, or no optimum was found; ``save_to`` then holds the
+        best motion that keeps all conditions, else the last point.
     """
     from vehicledyn.results.tables.manoeuvre_table import write_manoeuvre
     from vehicledyn.studies.manoeuvre_optimisation.file import load_manoeuvre
@@ -62,7 +63,8 @@ def optimise_manoeuvre(
         report = run_manoeuvre(loaded, kept=place.kept, progress=reporter(progress))
         write_manoeuvre(place.path, report.table)
         if report.table.status != "ok":
-            where = "" if save_to is None else f"; '{save_to}' holds the last point"
+            what = "the best motion found" if report.table.is_checked else "the last point"
+            where = "" if save_to is None else f"; '{save_to}' holds {what}"
             raise NumericalError(
                 f"{loaded.title}: no optimum was found: {report.table.message} (largest scaled "
                 f"violation {report.table.violation:.2g}){where}. Loosen limits, begin nearer by "

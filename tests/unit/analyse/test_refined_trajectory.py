@@ -33,4 +33,4 @@ def test_a_refined_mesh_holds_the_same_motion():
 
 def test_intervals_are_cut_into_more_parts_the_further_they_miss():
     errors = np.array([0.2, 1.0, 1.1, 4.0, 5.0, 1e9, np.inf, np.nan])
-    assert _parts(errors).tolist() == [1, 1, 2, 2, 3, 4, 4, 4]
+    assert _parts(errors, 1.0).tolist() == [1, 1, 2, 2, 3, 4, 4, 4]

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from vehicledyn.analyse.optimal_control.path_curves import PathCurves
 from vehicledyn.analyse.optimal_control.problem import BEND, RAMP, ControlProblem, Expression
+from vehicledyn.analyse.optimal_control.rounded import has_least_or_most, rounded
 from vehicledyn.symbolic.tables import CurveTable
 
 CONSTANTS = 3
@@ -129,6 +130,20 @@ def _parameters(problem: ControlProblem, w: Any) -> Any:
         for index, order, factor in control.entries:
             parameters[index] += factor * w[order * len(problem.controls) + k]
     return parameters
+
+
+def has_corners(function: PointFunction) -> bool:
+    """Return whether anything is the smaller or the larger of two quantities."""
+    return has_least_or_most(function.outputs, [function.variables, function.constants])
+
+
+def with_rounded_corners(function: PointFunction) -> PointFunction:
+    """Return a function whose corners are rounded by a width, which is one more constant."""
+    import casadi
+
+    f, width = function, casadi.SX.sym("width")
+    outputs = casadi.cse(rounded(f.outputs, [f.variables, f.constants], width))
+    return replace(f, outputs=outputs, constants=casadi.vertcat(f.constants, width))
 
 
 def _assembled(

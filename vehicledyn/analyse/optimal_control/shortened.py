@@ -13,8 +13,11 @@ from vehicledyn.analyse.optimal_control.solve import Settings, Solution, solve_o
 from vehicledyn.analyse.optimal_control.trajectory import Trajectory
 from vehicledyn.analyse.optimal_control.transcription import PointModel
 
-_FIRST, _LEAST = 0.04, 0.002
-"""Part by which a motion is shortened at first, and below which shortening is given up."""
+_FIRST, _LEAST, _QUICK = 0.04, 0.002, 0.12
+"""Part by which a motion is shortened at first, below which shortening is given up, and at most."""
+
+_EASY = 15
+"""Iterations below which the next motion is shortened by twice as much."""
 
 _LONGER = 0.5
 """Part of what it should be shortened by, by which a motion near its optimum is longer."""
@@ -61,7 +64,9 @@ def solve_by_shortening(
             is_begun, shortest = True, found.trajectory
             if shortest.duration > (1.0 + _LONGER * part) * duration:
                 break
-        elif not is_begun and shortest is lost:
+            if found.iterations <= _EASY:
+                part = min(2.0 * part, _QUICK)
+        elif not is_begun and shortest is not guess:
             shortest, duration = guess, guess.duration
             continue
         elif not is_begun:

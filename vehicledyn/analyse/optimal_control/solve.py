@@ -29,7 +29,7 @@ _ENDS = {
 }
 
 
-_FEASIBLE = 1e-6
+FEASIBLE = 1e-6
 """By how much scaled constraints may be missed, however vague the optimum may be."""
 
 _GAP, _SMALLER = 1e-3, 0.1
@@ -42,7 +42,8 @@ class Solution:
     """A trajectory, its objective, and how the search ended; ``failure`` is empty if well.
 
     ``violation`` is the largest scaled one of a constraint, ``iterations`` those of all meshes.
-    A search that circled has a ``gap``: by so much the objective may be from its least.
+    A search that circled has a ``gap``: by so much the objective may be from its least. ``width``
+    is that of rounded corners where it is not an optimum with sharp ones.
     """
 
     trajectory: Trajectory
@@ -51,6 +52,7 @@ class Solution:
     violation: float
     failure: str
     gap: float | None = None
+    width: float = 0.0
 
 
 Watch = Callable[[int, float, float, Callable[[], Trajectory]], None]
@@ -96,7 +98,7 @@ def solve_on_mesh(model: PointModel, guess: Trajectory, settings: Settings) -> S
         return seen
 
     while True:
-        still = Standstill(_FEASIBLE)
+        still = Standstill(FEASIBLE)
         try:
             seen = seen_by(still, spent)
             found = minimise(program, start, _options(settings, barrier, spent), seen)
@@ -127,8 +129,8 @@ def _options(settings: Settings, barrier: float | None, spent: int) -> dict[str,
         "max_iter": max(settings.most_iterations - spent, 0),
         "tol": settings.tolerance,
         "acceptable_tol": 1e2 * settings.tolerance,
-        "constr_viol_tol": min(settings.tolerance, _FEASIBLE),
-        "acceptable_constr_viol_tol": _FEASIBLE,
+        "constr_viol_tol": min(settings.tolerance, FEASIBLE),
+        "acceptable_constr_viol_tol": FEASIBLE,
         "mu_strategy": "adaptive",
         "mu_target": settings.kept_barrier,
         "theta_max_fact": 1.0,  # else steps may leave the motion far behind

@@ -25,7 +25,9 @@ from vehicledyn.analyse.optimal_control.point_derivatives import PointDerivative
 from vehicledyn.analyse.optimal_control.point_function import (
     PointFunction,
     collocation_function,
+    has_corners,
     start_function,
+    with_rounded_corners,
 )
 from vehicledyn.analyse.optimal_control.problem import BEND, POINTS, RAMP, ControlProblem
 from vehicledyn.analyse.optimal_control.rows import OBJECTIVE, BoundedRows, PointGroup
@@ -44,6 +46,7 @@ class PointModel:
         self.inner: PointFunction = collocation_function(problem, curves)
         self.derivatives = PointDerivatives(self.inner)
         self.start: PointDerivatives | None = None
+        self.width, self._widened = 0.0, list[PointModel]()
         place = () if problem.path is None else problem.path.place
         # the start of a periodic motion is where its end is, which is on the path already
         if curves is not None and not set(place) <= set(problem.growth):
@@ -60,6 +63,28 @@ class PointModel:
         places = p.start[list(p.path.place)]
         is_placed = p.path_start[0] == p.path_start[1] or (places[:, 0] == places[:, 1]).all()
         return bool(is_placed) and not casadi.depends_on(f.outputs, f.constants[0])
+
+    @property
+    def is_quickest(self) -> bool:
+        """Whether the duration is free and time is an objective."""
+        low, high = self.problem.duration
+        return low < high and any(what[0] == "time" for _, what in self.problem.terms)
+
+    @property
+    def has_corners(self) -> bool:
+        """Whether something that counts is the smaller or the larger of two quantities."""
+        return has_corners(self.inner)
+
+    def rounded(self, width: float) -> PointModel:
+        """Return the same with corners rounded by a width, a part of what meets there."""
+        if not self._widened:
+            made = copy(self)
+            made.inner = with_rounded_corners(self.inner)
+            made.derivatives = PointDerivatives(made.inner)
+            self._widened.append(made)
+        other = copy(self._widened[0])
+        other.width, other.problem = width, self.problem
+        return other
 
     def within(self, duration: tuple[float, float]) -> PointModel:
         """Return the same of the problem with other bounds of its duration [s]."""
@@ -116,7 +141,10 @@ class MotionProgram:
             columns += [item[:, None] for item in own]
         parts = np.tile(radau_points(), self.layout.n)
         steps = self.steps[interval]
-        constants = np.column_stack([self.mesh[interval] + parts * steps, steps, parts])
+        known = [self.mesh[interval] + parts * steps, steps, parts]
+        if self.model.width:
+            known.append(np.full(n, self.model.width))
+        constants = np.column_stack(known)
         variables = np.hstack([self._spans[interval][:, None], *columns])
         group = PointGroup(self.model.derivatives, variables, constants)
         self.rows.groups.append(group)

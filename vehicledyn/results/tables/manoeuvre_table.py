@@ -34,7 +34,8 @@ class ManoeuvreTable:
     difference over the range; ``path`` (n, 4): distance, offset, and the offsets of the right and
     left side of the corridor, no columns without a path; ``history`` (n_iterations, 2): objective
     and violation; ``mesh_errors`` those of the meshes one after the other. ``status`` is "ok" or
-    "failed"; a failed one is not simulated: ``simulated`` and the errors are not a number.
+    "failed"; a failed one that misses conditions is not simulated: ``simulated`` and the errors are
+    not a number.
     """
 
     title: str

@@ -2,20 +2,26 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyse.optimal_control.path_curves import PathCurves
+from vehicledyn.analyse.optimal_control.rounding import solve_by_rounding
 from vehicledyn.analyse.optimal_control.shortened import solve_by_shortening
 from vehicledyn.analyse.optimal_control.simulated import (
     ControlledRun,
     relative_errors,
     state_ranges,
 )
-from vehicledyn.analyse.optimal_control.solve import Settings, Solution, solve_on_mesh
+from vehicledyn.analyse.optimal_control.solve import (
+    FEASIBLE,
+    Settings,
+    Solution,
+    solve_on_mesh,
+)
 from vehicledyn.analyse.optimal_control.trajectory import DEGREE, Trajectory, radau_points
 from vehicledyn.analyse.optimal_control.transcription import PointModel
 from vehicledyn.analyses.preparation.prepared import Progress
@@ -38,6 +44,9 @@ _STEPS, _LONGEST_STEP = 2000, 5e-3
 
 _MOST_PARTS = 4
 """Parts into which a refinement cuts an interval at most."""
+
+_STRAIGHT = 40
+"""Iterations of the first search of a model with corners; where these do not do, others help."""
 
 _WARM_BARRIER = 1e-4
 """Parameter of the barrier to begin with where a motion is nearly an optimum already."""
@@ -124,12 +133,14 @@ def run_manoeuvre(study: ManoeuvreStudy, *, kept: KeptWork, progress: Progress) 
     return ManoeuvreReport(search.table(solution, [*notes, *search.notes]))
 
 
-def _parts(errors: Floats) -> NDArray[np.int64]:
-    """Return into how many parts to cut intervals whose errors are so many times too large.
+def _parts(errors: Floats, accuracy: float) -> NDArray[np.int64]:
+    """Return into how many parts to cut intervals with errors, so that each is accurate.
 
     As for errors of second order in the length, which is what they are where a law has a corner.
     """
-    counts = np.ceil(np.sqrt(np.where(np.isfinite(errors), errors, np.inf)))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        counts = np.ceil(np.sqrt(errors / accuracy))
+    counts = np.where(np.isfinite(counts), counts, np.inf)
     return np.clip(counts, 1.0, _MOST_PARTS).astype(np.int64)
 
 
@@ -148,6 +159,8 @@ class _Search:
         self.history: list[tuple[float, float]] = []
         self.mesh_errors: list[float] = []
         self.notes: list[str] = []
+        self.best: Solution | None = None
+        self.is_rounding = False
         self.units = [s.unit for s in manoeuvre.problem.equations.states]
 
     def run(self, guess: Trajectory, *, is_warm: bool) -> Solution:
@@ -165,9 +178,11 @@ class _Search:
                 self._watch,
                 _WARM_BARRIER if warm else None,
             )
+            known, self.best = self.best, None
             solution = self._solved(model, guess, settings)
             if solution.failure:
-                return solution
+                return self._kept(solution, known)
+            self.best = solution
             if solution.gap is not None:
                 self.notes.append(
                     f"on {guess.n_intervals} intervals the search circled with its objective still "
@@ -175,29 +190,82 @@ class _Search:
                     f"act yet it may be {solution.gap / abs(solution.objective):.1g} of itself "
                     "from its least"
                 )
+            if solution.width:
+                self.notes.append(
+                    f"on {guess.n_intervals} intervals the corners of the model's laws, as of dry "
+                    f"friction that breaks away, are rounded by {solution.width:g} of what meets "
+                    "there: with sharp ones the search did not end; the simulation has sharp ones"
+                )
             errors = self._interval_errors(solution.trajectory)
             self.mesh_errors.append(float(errors.max(initial=0.0)))
             if (errors <= study.accuracy).all() or level == study.refinements:
                 break
-            counts = _parts(errors / study.accuracy)
+            counts = _parts(errors, study.accuracy)
             guess = solution.trajectory.refined(problem.controls, counts)
         return solution
 
-    def _solved(self, model: PointModel, guess: Trajectory, settings: Settings) -> Solution:
-        """Return the optimum on a mesh; a quickest one not found is approached from slow ones."""
-        solution = solve_on_mesh(model, guess, settings)
-        low, high = model.problem.duration
-        is_quickest = any(what[0] == "time" for _, what in model.problem.terms) and low < high
-        if not (solution.failure and is_quickest):
+    def _kept(self, solution: Solution, known: Solution | None) -> Solution:
+        """Return what is best where a search failed: the optimum of the mesh before, if any.
+
+        Else the best motion that keeps all conditions, as failed as the search.
+        """
+        if known is not None:
+            self.notes.append(
+                f"warning: on {solution.trajectory.n_intervals} intervals no optimum was found "
+                f"({solution.failure}); this is that on {known.trajectory.n_intervals} intervals"
+            )
+            return known
+        if self.best is None:
             return solution
-        self.notes.append(
-            f"on {guess.n_intervals} intervals the search from the first motion failed "
-            f"({solution.failure}); it went on from that by shortening it little by little"
-        )
-        self.progress("shortening the motion little by little", None)
-        return solve_by_shortening(model, solution.trajectory, guess, settings)
+        return replace(self.best, failure=solution.failure, iterations=solution.iterations)
+
+    def _solved(self, model: PointModel, guess: Trajectory, settings: Settings) -> Solution:
+        """Return the optimum on a mesh; where the search fails, other ways to it are tried.
+
+        Rounded corners are made sharp; a quickest motion is approached from slow ones.
+        """
+        if self.is_rounding:
+            return self._rounded(model, guess, settings, is_near=True)
+        straight = settings
+        if model.has_corners:
+            straight = replace(settings, most_iterations=min(_STRAIGHT, settings.most_iterations))
+        solution = solve_on_mesh(model, guess, straight)
+        if not solution.failure:
+            return solution
+        failed = f"on {guess.n_intervals} intervals the search from the first motion failed"
+        failed += f" ({solution.failure})"
+        if model.has_corners:
+            self.notes.append(f"{failed}; corners were rounded at first and then made sharp again")
+            rounded = self._rounded(model, guess, settings, is_near=settings.barrier is not None)
+            if not rounded.failure:
+                return rounded
+            failed = f"the search with rounded corners failed ({rounded.failure})"
+        if model.is_quickest:
+            self.notes.append(f"{failed}; it went on from that by shortening it little by little")
+            self.progress("shortening the motion little by little", None)
+            return solve_by_shortening(model, solution.trajectory, guess, settings)
+        if straight is not settings:
+            self.notes.append(f"{failed}; the search from the first motion went on")
+            return solve_on_mesh(model, solution.trajectory, settings)
+        return solution
+
+    def _rounded(
+        self, model: PointModel, guess: Trajectory, settings: Settings, *, is_near: bool
+    ) -> Solution:
+        """Return the optimum found with rounded corners."""
+        self.progress("rounding corners of the model's laws", None)
+        on_the_way = replace(settings, watch=self._look)
+        found = solve_by_rounding(model, guess, settings, on_the_way, is_near=is_near)
+        self.is_rounding = self.is_rounding or not found.failure
+        return found
 
     def _watch(self, number: int, objective: float, violation: float, at: Any) -> None:
+        """Look at an iteration, and keep the best motion that keeps all conditions."""
+        self._look(number, objective, violation, at)
+        if violation <= FEASIBLE and (self.best is None or objective < self.best.objective):
+            self.best = Solution(at(), objective, number, violation, "")
+
+    def _look(self, number: int, objective: float, violation: float, at: Any) -> None:
         self.history.append((objective, violation))
         self.progress(
             f"iteration {number}: objective {objective:.6g}, off by {violation:.1e}", None
@@ -227,14 +295,15 @@ class _Search:
         trajectory, problem = solution.trajectory, self.manoeuvre.problem
         states, e = trajectory.all_states, problem.equations
         simulated = np.full_like(states, np.nan)
-        if not solution.failure:
+        is_kept = solution.violation <= FEASIBLE
+        if is_kept:
             self.progress("simulating the controls", None)
             simulated = self._run_of(trajectory).free()
         errors = relative_errors(states, simulated, self.units)
         error = float(errors.max(initial=0.0))
-        if not np.isfinite(error) and not solution.failure:
+        if not np.isfinite(error) and is_kept:
             notes.append("warning: the simulation under the optimal controls failed")
-        elif error > _TOO_FAR and not solution.failure:
+        elif error > _TOO_FAR and is_kept:
             notes.append(
                 f"warning: the simulation under the optimal controls misses the motion by "
                 f"{100.0 * error:.2g} % of a state's range; refine the mesh, or the motion is "
