@@ -56,8 +56,8 @@ def _told(family: str, names: tuple[str, ...]) -> str:
 def _page(family: str, names: tuple[str, ...]) -> str:
     from vehicledyn.base.registry import find
 
-    title, told = _title(family)
-    parts = [f"# {title}\n\n{told}"]
+    title, note = _title(family)
+    parts = [f"# {title}\n\n{note}"]
     for name in names:
         entry = find(family, name)
         parts += [f"## {name}", _docstring(entry), _fields(entry)]

@@ -16,9 +16,9 @@ _LINK = re.compile(r"\]\((?![a-z]+:|#)([^)\s]+)\)")
 def pages(root: Path) -> dict[str, tuple[str, str]]:
     """Return the pages with links as seen from ``docs/reference``."""
     made = {}
-    for name, (source, told) in _SOURCES.items():
+    for name, (source, note) in _SOURCES.items():
         folder = Path(source).parent.as_posix()
         prefix = "../../" if folder == "." else f"../../{folder}/"
         text = (root / source).read_text(encoding="utf-8")
-        made[name] = (_LINK.sub(lambda m, p=prefix: f"]({p}{m[1]})", text), told)
+        made[name] = (_LINK.sub(lambda m, p=prefix: f"]({p}{m[1]})", text), note)
     return made

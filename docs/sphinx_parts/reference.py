@@ -45,8 +45,8 @@ def _write(app: Sphinx) -> None:
 def _list(app: Sphinx, page: str, source: list[str]) -> None:
     if page == "reference":
         lines = [
-            f"- [{text.partition(chr(10))[0].lstrip('# ')}](reference/{name}.md): {told}"
-            for name, (text, told) in _remembered.items()
+            f"- [{text.partition(chr(10))[0].lstrip('# ')}](reference/{name}.md): {note}"
+            for name, (text, note) in _remembered.items()
         ]
         source[0] += "\n" + "\n".join(lines) + "\n"
 

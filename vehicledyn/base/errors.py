@@ -22,7 +22,7 @@ class VehicledynError(Exception):
 
     Its text is shown to the user as it is, so it says what is wrong, where and what next.
     ``about`` names the parts and coordinates in question, so that their place in a file can be
-    told.
+    shown.
     """
 
     def __init__(self, text: str = "", *, about: Iterable[str] = ()) -> None:

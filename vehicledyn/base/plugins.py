@@ -164,10 +164,10 @@ def _failures_told(what: str, place: Path | None) -> Iterator[None]:
     except VehicledynError as error:
         raise InputError(f"{_where(what, place, error)}: {error}") from error
     except (Exception, SystemExit) as error:
-        told = " ".join(str(error).split()) or "no reason given"
+        reason = " ".join(str(error).split()) or "no reason given"
         kind = "" if isinstance(error, ValueError) else f"{type(error).__name__}: "
         raise InputError(
-            f"{_where(what, place, error)}: the plugin cannot be loaded: {kind}{told}"
+            f"{_where(what, place, error)}: the plugin cannot be loaded: {kind}{reason}"
         ) from error
 
 

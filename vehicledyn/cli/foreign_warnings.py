@@ -22,7 +22,7 @@ _MOST, _LONGEST = 5, 200
 def plain_foreign_warnings() -> Iterator[None]:
     """Collect warnings of the block, and tell them where it ends with a result.
 
-    A refusal has its own words for what was wrong. What the program itself warns of is told at
+    A refusal has its own words for what was wrong. What the program itself warns of is shown at
     once.
     """
     found: dict[str, None] = {}

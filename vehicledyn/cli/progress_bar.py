@@ -78,7 +78,7 @@ class Progress:
 
 
 def _new_bar() -> Bar:
-    """Return a bar that is drawn when it is told to, by no thread, and leaves nothing behind."""
+    """Return a bar that is drawn on request, by no thread, and leaves nothing behind."""
     from rich.console import Console
     from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeRemainingColumn
     from rich.progress import Progress as Bar

@@ -20,13 +20,13 @@ Figures: TypeAlias = Callable[[Vector, Vector], Mapping[str, tuple[float, str]]]
 class EnergyBalance(NamedTuple):
     """Largest difference of energy gained and work done, and the energy exchanged [J].
 
-    ``doubt`` is the part of the error that may come from what lies between the samples, as far as
-    that is estimated [J].
+    ``uncertainty`` is the part of the error that may come from what lies between the samples, as
+    far as that is estimated [J].
     """
 
     error: float
     exchanged: float
-    doubt: float = 0.0
+    uncertainty: float = 0.0
 
     def distance(self, other: EnergyBalance) -> float:
         """Return how far the error is from that of a better run, as a part of what it exchanges."""

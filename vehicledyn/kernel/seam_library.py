@@ -45,12 +45,12 @@ def seam_library(cut: SeamCut, compiler: Compiler, folder: Path, lanes: int | No
     def compiled(place: Path) -> Path:
         return build_object(compiler, model_units(cut, lanes), place)
 
-    def told(place: Path) -> Path:
+    def write_facts(place: Path) -> Path:
         file = place / "facts.json"
         file.write_text(json.dumps(asdict(facts_of_model(cut))), encoding="utf-8")
         return file
 
-    facts, _ = cache.load(cache.key_of(of_model, "facts"), told, _facts)
+    facts, _ = cache.load(cache.key_of(of_model, "facts"), write_facts, _facts)
     own, loop = surroundings_source(cut, facts, lanes), loop_unit(cut, lanes)
 
     def beside() -> list[Path]:

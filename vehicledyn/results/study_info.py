@@ -60,12 +60,12 @@ class StudyDescription:
 
     def as_text(self) -> str:
         """Return lines for a person; a partial file says so first."""
-        told = ", ".join(f"{number} {name}" for name, number in self.cases.items() if number)
+        listed = ", ".join(f"{number} {name}" for name, number in self.cases.items() if number)
         lines = [] if self.state == "whole" else [f"PARTIAL STUDY: {self.state[9:]}", ""]
         lines += [
             f"{self.path}: {self.title}",
             f"  status    {self.status}",
-            f"  cases     {told}",
+            f"  cases     {listed}",
             f"  holds     {len(self.channels)} channels of {self.samples} samples a case",
             f"  created   {self.created} by vehicledyn {self.program_version}",
         ]

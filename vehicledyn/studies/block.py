@@ -237,8 +237,8 @@ def _note_accuracy(block: StudyBlock, number: int, accuracy: Accuracy | None) ->
         found.append(StudyFigure("recommended_step", accuracy.step, "s", "Step to take instead"))
     block.figures[number] += found
     if accuracy.warning:
-        told = block.reasons.get(number)
-        block.reasons[number] = "; ".join(filter(None, (told, accuracy.warning)))
+        before = block.reasons.get(number)
+        block.reasons[number] = "; ".join(filter(None, (before, accuracy.warning)))
 
 
 def _kept(samples: Samples, count: int, single: bool) -> Samples:

@@ -172,11 +172,11 @@ class _Reading:
             self.problems += bare_numbers(self.data, units_of(study), self.sources)
             return study
         except ValidationError as error:
-            told = {(p.mark, p.field) for p in self.problems if p.mark is not None}
+            reported = {(p.mark, p.field) for p in self.problems if p.mark is not None}
             for line in error.errors():
                 at_key = line["type"] == UNKNOWN_KEY
                 found = self.sources.problem(line["loc"], words_of(line), at_key=at_key)
-                self.problems += [found] if (found.mark, found.field) not in told else []
+                self.problems += [found] if (found.mark, found.field) not in reported else []
             raise refusal(self.problems, self.document.name) from None
 
     def _changes(self, study: Study) -> tuple[Change, ...]:

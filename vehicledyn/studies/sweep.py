@@ -97,8 +97,8 @@ class SweepOutcome:
 
     def as_text(self) -> str:
         """Return lines for a person."""
-        told = [f"{number} {name}" for name, number in self.counts.items() if number]
-        lines = [f"{self.path}: {self.status}", f"  cases  {', '.join(told)}"]
+        listed = [f"{number} {name}" for name, number in self.counts.items() if number]
+        lines = [f"{self.path}: {self.status}", f"  cases  {', '.join(listed)}"]
         for case, _, reason in self.failures:
             lines.append(f"  case {case}: {reason}")
         hidden = self.counts["failed"] - len(self.failures)
@@ -179,8 +179,8 @@ def run_study(
         counts, failures = file.counts(), list(file.reasons(MOST_SHOWN))
         warned = _warned(file)
     seconds = time.monotonic() - started
-    told = f"{run.computed} cases computed by {computing.description} in {seconds:.1f} s"
-    messages = [*run.messages, *warned, *computing.remarks(), told]
+    summary = f"{run.computed} cases computed by {computing.description} in {seconds:.1f} s"
+    messages = [*run.messages, *warned, *computing.remarks(), summary]
     return SweepOutcome(output, run.status, counts, failures, seconds, messages)
 
 

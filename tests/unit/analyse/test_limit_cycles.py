@@ -297,7 +297,7 @@ def test_equilibrium_is_found_again_and_an_interrupt_keeps_the_branch():
     first = hopf.orbit(1e-3, 0, intervals=15, degree=4)
     with pytest.raises(KeyboardInterrupt):
         follow_cycles(
-            model, first, hopf.growing(first), Limits(-1.0, 1.0, 0.1), branch=kept, told=stop
+            model, first, hopf.growing(first), Limits(-1.0, 1.0, 0.1), branch=kept, report=stop
         )
     assert len(kept.points) == 5
 

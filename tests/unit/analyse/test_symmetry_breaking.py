@@ -95,7 +95,7 @@ def test_it_is_told_where_the_branch_comes_back():
             raise MetError
 
     with pytest.raises(MetError):
-        follow_cycles(model, way.start(0.03), way.along, limits, told=told)
+        follow_cycles(model, way.start(0.03), way.along, limits, report=told)
     value, period, reach = images.place(met)
     assert value == pytest.approx(1.0, abs=0.03) and abs(value - 1.0) < reach < 0.2
     assert period == pytest.approx(2.0 * math.pi, rel=1e-4)

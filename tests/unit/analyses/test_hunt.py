@@ -110,7 +110,7 @@ def test_what_was_found_is_kept(tmp_path, monkeypatch, error, status):
                 raise error
 
         with contextlib.suppress(BranchEndError):
-            follow(model, start, direction, limits, branch=branch, told=stop, upwards=upwards)
+            follow(model, start, direction, limits, branch=branch, report=stop, upwards=upwards)
         branch.ending, branch.reason = "lost", "lost near speed = 61: it does not converge"
         return branch
 
@@ -394,7 +394,7 @@ def test_stopped_on_a_branch_that_leads_off(tmp_path, monkeypatch):
 
         first = made[0] if made else more["branch"]
         made.append(more["branch"])
-        return follow(*args, told=stop, **more)
+        return follow(*args, report=stop, **more)
 
     made = []
     monkeypatch.setattr(hunt_study, "follow_cycles", cut)

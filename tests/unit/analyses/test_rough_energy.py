@@ -41,8 +41,8 @@ def test_uneven_samples_and_losses():
 def test_what_lies_between_samples_is_in_doubt():
     """Ten samples a period see no loss of 1 % for certain, forty do."""
     few, many = (rough_balance(swing(np.linspace(0.0, 1.0, n), lost=0.01)) for n in (41, 161))
-    assert few.error < few.doubt + 0.004 * few.exchanged
-    assert many.error > many.doubt + 0.004 * many.exchanged
+    assert few.error < few.uncertainty + 0.004 * few.exchanged
+    assert many.error > many.uncertainty + 0.004 * many.exchanged
 
 
 def test_blows_shorter_than_samples_are_in_doubt():
@@ -53,4 +53,4 @@ def test_blows_shorter_than_samples_are_in_doubt():
     columns = {"energy.kinetic": energy, "energy.gravity": 0.0 * times, "power.forces": -blow}
     rough = rough_balance(Recording(times, columns, dict.fromkeys(columns, "J")))
     assert rough.error > 0.1 * rough.exchanged
-    assert rough.error < rough.doubt
+    assert rough.error < rough.uncertainty

@@ -380,10 +380,11 @@ def test_an_end_with_a_gradient_left_is_told(optimality, told):
     """Such as where a figure jumps."""
     from types import SimpleNamespace
 
-    from vehicledyn.studies.optimisation.run import doubts
+    from vehicledyn.studies.optimisation.run import convergence_notes
 
     found = SimpleNamespace(is_feasible=True, message="converged", optimality=optimality)
-    assert ["11% of the gradient is left" in note for note in doubts(found, was_stopped=False)] == (
-        [True] if told else []
-    )
-    assert not doubts(found, was_stopped=True)
+    assert [
+        "11% of the gradient is left" in note
+        for note in convergence_notes(found, was_stopped=False)
+    ] == ([True] if told else [])
+    assert not convergence_notes(found, was_stopped=True)

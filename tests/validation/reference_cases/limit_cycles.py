@@ -112,7 +112,7 @@ def study():
     runner, settled = Runner(prepared.kernel, model, watched), []
     lowered = lower(
         runner, speeds, balances_near(model, known), DISTURBANCE,
-        resolution=RESOLUTION, told=settled.append,
+        resolution=RESOLUTION, report=settled.append,
     )  # fmt: skip
     cycles = settled[: len(SPEEDS)]
     return [_closed(model, c) for c in cycles], Lowest(

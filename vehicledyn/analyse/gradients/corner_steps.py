@@ -38,7 +38,7 @@ _CLOSE = 1e-8
 """Part of a step that is kept from a corner."""
 _SHORTER, _PARTS = 0.05, 6
 """By how much parts get shorter towards a corner, and their number."""
-_FELT, _LOUD = 1e-3, (1e-7, 1e-10)
+_NEGLIGIBLE, _LOUD = 1e-3, (1e-7, 1e-10)
 """Part of the change of rates by which this jumps at a corner that is felt, and parts of rates and
 of states that it has in a step at least."""
 _ASIDE = 1e-4
@@ -272,7 +272,7 @@ class CornerSteps:
             (rates[k + 1] - rates[k]) / (points[k + 1].time - points[k].time) for k in (0, 2)
         )
         least = _LOUD[0] * np.abs(rates[1]) / step + _LOUD[1] * self._sizes / step**2
-        least = least + _FELT * (np.abs(before) + np.abs(after))
+        least = least + _NEGLIGIBLE * (np.abs(before) + np.abs(after))
         jump = (
             np.abs(rates[2] - rates[1]) > _JUMP * np.abs(rates[1]) + _LOUD[1] * self._sizes / step
         )

@@ -349,10 +349,10 @@ class _Motions:
         weights = np.zeros_like(by_state)
         if not self.free:
             return weights
-        square, felt = self.balance, by_state[self.free]
-        found = -np.linalg.lstsq(square.T, felt, rcond=1e-12)[0]
-        missed = np.abs(square.T @ found + felt)
-        if np.any(missed > 1e-6 * np.max(np.abs(felt), axis=0, initial=1e-300)):
+        square, effects = self.balance, by_state[self.free]
+        found = -np.linalg.lstsq(square.T, effects, rcond=1e-12)[0]
+        missed = np.abs(square.T @ found + effects)
+        if np.any(missed > 1e-6 * np.max(np.abs(effects), axis=0, initial=1e-300)):
             raise NumericalError("the equilibrium has no derivative: it is not isolated")
         weights[self._balanced] = found
         return weights

@@ -30,7 +30,7 @@ Complex = NDArray[np.complex128]
 _SINGULAR = 1e-11
 """Part of the largest singular value below which an equilibrium is free to move along a motion."""
 
-_FELT = 1e-7
+_NEGLIGIBLE = 1e-7
 """Part of a gradient that may lie along such a motion, as rounding leaves it."""
 
 
@@ -187,9 +187,9 @@ class LinearisedSlopes:
         n, m = self._derivatives.n_states, self._derivatives.n_unknowns
         by_state, by_parameter = gradient[:n], np.array(gradient[n + m :], dtype=complex)
         by_push = by_parameter[self._pushes]
-        felt = np.concatenate([by_state[self._free], by_push])
+        effects = np.concatenate([by_state[self._free], by_push])
         if self.loose.size:
-            _refuse_loose(self.loose, felt)
+            _refuse_loose(self.loose, effects)
         self._following.check(by_state)
         by_parameter[self._pushes] = 0.0
         moved = by_parameter + by_state @ self.states + by_push @ self._pushed
@@ -214,9 +214,9 @@ class LinearisedSlopes:
         return states, np.asarray(found[len(free) :], dtype=float), right[rank:]
 
 
-def _refuse_loose(loose: Floats, felt: Complex | Floats) -> None:
+def _refuse_loose(loose: Floats, effects: Complex | Floats) -> None:
     """Refuse derivatives by what may move by itself."""
-    if np.any(np.abs(loose @ felt) > _FELT * np.max(np.abs(felt), initial=1e-300)):
+    if np.any(np.abs(loose @ effects) > _NEGLIGIBLE * np.max(np.abs(effects), initial=1e-300)):
         raise NumericalError("the equilibrium has no derivative: it is not isolated")
 
 

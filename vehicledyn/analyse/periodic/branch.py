@@ -31,7 +31,7 @@ from vehicledyn.analyse.periodic.outside_range import Outside
 from vehicledyn.analyse.periodic.special_points import SpecialPoints
 from vehicledyn.base.errors import NumericalError
 
-Told = Callable[["CyclePoint"], None]
+Report = Callable[["CyclePoint"], None]
 
 _SMALLEST, _FIRST, _LARGEST = 1e-7, 0.05, 0.4
 _SHARP, _TO_AND_FRO, _SHARPLY = math.pi / 3.0, math.pi / 4.0, 2e-3
@@ -58,7 +58,7 @@ def follow_cycles(
     limits: Limits,
     *,
     branch: Branch | None = None,
-    told: Told | None = None,
+    report: Report | None = None,
     upwards: bool = True,
 ) -> Branch:
     """Return the branch of periodic orbits from one that is nearly one.
@@ -76,7 +76,7 @@ def follow_cycles(
         Where it ends.
     branch
         Filled as points are found, so that they are kept where an interrupt comes.
-    told
+    report
         Called with each point.
 
     Raises
@@ -87,7 +87,7 @@ def follow_cycles(
     result = Branch() if branch is None else branch
     steps = BranchSteps(model, limits, start.intervals)
     special = SpecialPoints(steps, result.remarks)
-    tracer = _Tracer(steps, special, result, told or (lambda point: None))
+    tracer = _Tracer(steps, special, result, report or (lambda point: None))
     tracer.begin(start, direction, upwards=upwards)
     tracer.run()
     return result
@@ -100,7 +100,7 @@ class _Tracer:
     steps: BranchSteps
     special: SpecialPoints
     branch: Branch
-    told: Told
+    report: Report
     step: float = _FIRST
     first_size: float = 0.0
     outside: Outside = field(default_factory=Outside)
@@ -188,7 +188,7 @@ class _Tracer:
     def _tell_outside(self) -> None:
         """Say where the branch was outside the range; leave out what does not lead back."""
         tail = self.branch.drop_tail(self.limits)
-        remark = self.outside.told(self.parameter, tail, self.branch, self.limits)
+        remark = self.outside.remark(self.parameter, tail, self.branch, self.limits)
         if remark:
             self.branch.remarks.append(remark)
         if tail and self.branch.ending in ("lost", "equilibrium"):
@@ -271,7 +271,7 @@ class _Tracer:
 
     def _add(self, point: CyclePoint) -> None:
         self.branch.points.append(point)
-        self.told(point)
+        self.report(point)
 
     def _end(self, ending: str, reason: str) -> None:
         self.branch.ending, self.branch.reason = ending, reason

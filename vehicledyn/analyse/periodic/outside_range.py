@@ -46,7 +46,7 @@ class Outside:
         self.is_cut = self.count >= max(_FEWEST, limits.points // _PART)
         return self.is_cut or not limits.reaches(point.orbit.parameter)
 
-    def told(
+    def remark(
         self, parameter: str, tail: Sequence[CyclePoint], branch: Branch, limits: Limits
     ) -> str:
         """Return where the branch left the range, and whether it came back; empty if it did not.

@@ -46,7 +46,7 @@ def lower(
     *,
     resolution: float,
     expected: Sequence[float] = (),
-    told: Callable[[Settled], None],
+    report: Callable[[Settled], None],
 ) -> Lowered:
     """Change the parameter step by step and report each settled cycle; return where it is gone.
 
@@ -67,10 +67,10 @@ def lower(
         How finely the value is found at which the cycle dies.
     expected
         Values at which it may, such as folds: they are tried first.
-    told
+    report
         Called with each motion that lasts.
     """
-    search = _Lowering(runner, balances, resolution, told)
+    search = _Lowering(runner, balances, resolution, report)
     return search.run(list(values), size, expected)
 
 
@@ -81,7 +81,7 @@ class _Lowering:
     runner: Runner
     balances: Balances
     resolution: float
-    told: Callable[[Settled], None]
+    report: Callable[[Settled], None]
     alive: Settled = field(init=False)
 
     def run(self, values: list[float], size: float, expected: Sequence[float]) -> Lowered:
@@ -112,7 +112,7 @@ class _Lowering:
             found = self.runner.settle(value, self.runner.disturbed(balance, size))
             if found.alive and found.amplitude >= _SMALL * size:
                 self.alive = found
-                self.told(found)
+                self.report(found)
                 return values[k + 1 :]
             if self.runner.is_spent:
                 return None
@@ -164,7 +164,7 @@ class _Lowering:
         found = self.runner.settle(value, Disturbed(state, unknowns, before.period, rate))
         if found.alive:
             self.alive = found
-            self.told(found)
+            self.report(found)
         return found
 
     def _spent(self) -> str:

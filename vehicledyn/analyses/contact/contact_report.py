@@ -103,9 +103,9 @@ class ContactReport:
             for k, side in enumerate(SIDES):
                 touching = np.flatnonzero(points.gap[n, k] <= TOUCHING)
                 if len(touching) > 1:
-                    told = ", ".join(f"{1e3 * points.place[n, k, m]:.2f}" for m in touching)
+                    listed = ", ".join(f"{1e3 * points.place[n, k, m]:.2f}" for m in touching)
                     lines.append(
-                        f"at y = {1e3 * shift:.3f} mm the {side} wheel touches at {told} mm"
+                        f"at y = {1e3 * shift:.3f} mm the {side} wheel touches at {listed} mm"
                     )
         return lines
 

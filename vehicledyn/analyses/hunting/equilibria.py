@@ -55,7 +55,9 @@ class Equilibria:
     balances: list[CriticalPoint] = field(default_factory=list)
     _known: dict[float, Prepared] = field(default_factory=dict)
 
-    def follow(self, values: Sequence[float], start: tuple[Vector, Vector], told: Progress) -> str:
+    def follow(
+        self, values: Sequence[float], start: tuple[Vector, Vector], report: Progress
+    ) -> str:
         """Find the equilibria at all values; return why it ends before the last, if it does.
 
         Raises
@@ -68,7 +70,7 @@ class Equilibria:
         """
         state, unknowns = start
         for k, value in enumerate(values):
-            told("following the equilibrium", k / len(values))
+            report("following the equilibrium", k / len(values))
             if self.balances:
                 before = self.balances[-1]
                 state, unknowns = self.model.memory.recall(

@@ -62,7 +62,7 @@ class Check:
     def lower(self, disturbance: float, branches: Sequence[Branch]) -> None:
         """Lower the parameter from the end of the range, until the cycle dies."""
         values = self._falling
-        self._tell("lowering", values)
+        self._report("lowering", values)
         self.runner.allowed = _LOWERING * self.allowed
         ends = [
             p.orbit.parameter for b in branches for p in b.special if p.kind in ("fold", "torus")
@@ -74,7 +74,7 @@ class Check:
             disturbance,
             resolution=self._resolution,
             expected=ends,
-            told=self.found.append,
+            report=self.found.append,
         )
         if lowered.between is not None:
             self.figures["simulated_lowering"] = lowered.between[0]
@@ -93,7 +93,7 @@ class Check:
         Each is disturbed and must return to itself.
         """
         values = self._falling
-        self._tell("simulating stable cycles along", values)
+        self._report("simulating stable cycles along", values)
         self.runner.allowed = self.allowed
         balances, left = balances_near(self.runner.field, self.balances), []
         for value in values:
@@ -109,9 +109,9 @@ class Check:
                     start = self.runner.beside(cycle.orbit, balances(value), _MOVED)
                     self._kept(self.runner.settle(value, start))
         if left:
-            told = ", ".join(f"{v:.6g}" for v in dict.fromkeys(left))
+            listed = ", ".join(f"{v:.6g}" for v in dict.fromkeys(left))
             self.messages.append(
-                f"stable cycles at {self._name} = {told} are not simulated: "
+                f"stable cycles at {self._name} = {listed} are not simulated: "
                 f"{self.runner.spent:.3g} s of motion are, as many as are allowed; "
                 f"{argument('simulated')} "
                 "allows more"
@@ -130,7 +130,7 @@ class Check:
     def raise_(self, amplitude: float, hopfs: Sequence[Hopf]) -> None:
         """Raise the parameter from the begin of the range, until a small disturbance grows."""
         values = list(steps(*self._span, self.levels))
-        self._tell("raising", values)
+        self._report("raising", values)
         grown = growth_begins(
             self.runner,
             values,
@@ -150,9 +150,9 @@ class Check:
         if self.differences:
             self.figures["largest_difference_amplitude"] = max(d[0] for d in self.differences)
             self.figures["largest_difference_period"] = max(d[1] for d in self.differences)
-        self._tell_ending(Ending.WANDERS, "last but do not repeat")
-        self._tell_ending(Ending.SLOW, "settle too slowly to wait for")
-        self._tell_ending(Ending.CUT, "are cut short")
+        self._report_ending(Ending.WANDERS, "last but do not repeat")
+        self._report_ending(Ending.SLOW, "settle too slowly to wait for")
+        self._report_ending(Ending.CUT, "are cut short")
         settled = (s for s in self.found if s.ending is Ending.SETTLED)
         apart = [f"{s.value:.6g}" for s in settled if not self.legs.is_known(s)]
         if apart:
@@ -177,7 +177,7 @@ class Check:
             f"a disturbance of {100.0 * _MOVED:.2g} % the motion {settled.ending}"
         )
 
-    def _tell(self, what: str, values: Sequence[float]) -> None:
+    def _report(self, what: str, values: Sequence[float]) -> None:
         """Report at which value each simulation is, and how much is done."""
         first, last = values[0], values[-1]
 
@@ -192,7 +192,7 @@ class Check:
 
         self.runner.begins = begins
 
-    def _tell_ending(self, ending: Ending, words: str) -> None:
+    def _report_ending(self, ending: Ending, words: str) -> None:
         such = [s for s in self.found if s.ending is ending]
         if not such:
             return

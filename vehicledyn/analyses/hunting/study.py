@@ -122,11 +122,11 @@ class Study:
 
     def write_to(self, saving: Saving) -> None:
         """Write what is found while it is."""
-        told = self.progress
+        report = self.progress
 
         def progress(what: str, part: float | None) -> None:
             saving.maybe(self.table)
-            told(what, part)
+            report(what, part)
 
         self.progress = progress
 
@@ -135,7 +135,7 @@ class Study:
         try:
             self.follow_equilibria()
             if self.equilibria.neutral:
-                self._tell_neutral()
+                self._report_neutral()
             else:
                 self._cycles()
                 self._simulations()
@@ -216,7 +216,7 @@ class Study:
             shape = growing_shape(self.model, self.balances[0])
             self.watched = moving_channels(self.prepared, self.model, shape) or self.watched
 
-    def _tell_neutral(self) -> None:
+    def _report_neutral(self) -> None:
         """Say why no cycles are looked for."""
         names = ", ".join(self.equilibria.neutral)
         self.messages.append(
@@ -273,7 +273,7 @@ class Study:
         step, outer = wide * (high - low) / budget.points, outer_range(low, high)
         limits = Limits(low, high, step, points=most, outer=outer)
 
-        def told(point: CyclePoint) -> None:
+        def report(point: CyclePoint) -> None:
             where = shown(point.orbit.parameter, self._unit)
             what = f"following the limit cycles {place}, at {where}, of {most} cycles at most"
             self.progress(what, len(branch.points) / most)
@@ -292,7 +292,7 @@ class Study:
                 direction,
                 limits,
                 branch=branch,
-                told=told,
+                report=report,
                 upwards=upwards,
             )
         except _JoinedError as joined:

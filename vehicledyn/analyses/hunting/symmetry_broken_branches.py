@@ -105,7 +105,7 @@ class Secondary:
 
     def _lead_off(self, way: LeadingOff, number: int, *, first: int, most: int) -> None:
         """Follow the branch off a branch point."""
-        own, told = len(self.branches) + 1, len(self.messages)
+        own, n_messages = len(self.branches) + 1, len(self.messages)
         known = [Branch() if k < first else b for k, b in enumerate(self.branches)]
         for size in _OFF:
             self.origins[own] = (
@@ -132,7 +132,7 @@ class Secondary:
                 if len(self.branches) < own:
                     del self.origins[own]
                 else:
-                    self.messages.insert(told, f"branch {own} {self.origins[own]}")
+                    self.messages.insert(n_messages, f"branch {own} {self.origins[own]}")
 
     def _joined(self, images: OwnImages, branch: Branch) -> int | None:
         """Return which branch another one has come back to, and note the branch point there."""

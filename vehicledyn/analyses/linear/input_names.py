@@ -99,8 +99,8 @@ def joint_of(system: System, name: str, coordinate: str) -> Joint:
     """
     joints = {joint.name: joint for joint in system.joints()}
     if coordinate not in joints:
-        told = hint(coordinate, list(joints))
-        raise InputError(f"{given('inputs', name)}: there is no coordinate '{coordinate}'{told}")
+        words = hint(coordinate, list(joints))
+        raise InputError(f"{given('inputs', name)}: there is no coordinate '{coordinate}'{words}")
     return joints[coordinate]
 
 

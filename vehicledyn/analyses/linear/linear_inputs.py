@@ -193,8 +193,8 @@ class Excited:
             torque=lambda _: torque,
         )
         self._change_parts([*self.system.parts, SmallLoad(signal.names[0], load)])
-        told = f"{word.capitalize()} on {load.body} along {axis}, {load.axes} axes"
-        return ModelInput(name, unit, told, (InputPart(signal.names[:1]),))
+        words = f"{word.capitalize()} on {load.body} along {axis}, {load.axes} axes"
+        return ModelInput(name, unit, words, (InputPart(signal.names[:1]),))
 
     def _wrench_at(self, name: str, owner: str, point: str | None) -> ExternalWrench:
         """Return the wrench that a name means: one of the system's own, or one at a body."""
@@ -222,8 +222,8 @@ class Excited:
         entries = {entry.name: entry for entry in self.system.table.entries}
         entries = {n: e for n, e in entries.items() if not n.startswith(f"{PREFIX}.")}
         if parameter not in entries:
-            told = hint(parameter, list(entries))
-            raise InputError(f"{given('inputs', name)}: there is no parameter '{parameter}'{told}")
+            words = hint(parameter, list(entries))
+            raise InputError(f"{given('inputs', name)}: there is no parameter '{parameter}'{words}")
         entry = entries[parameter]
         for body in self.system.bodies:
             turns = [ops.flat(item.rotation) for item in body.joints if not isinstance(item, Joint)]

@@ -63,9 +63,9 @@ class InputSlopes:
             gain, late = self.gain_slope(part), self._delay_slope(part)
             for power, name in enumerate(part.parameters):
                 column = self.model.columns[name]
-                felt = cmath.exp(-s * term.delay) * s**power
-                weights[column] += term.factor * felt
-                moved[column] += felt * (gain - s * term.factor * late)
+                effects = cmath.exp(-s * term.delay) * s**power
+                weights[column] += term.factor * effects
+                moved[column] += effects * (gain - s * term.factor * late)
         a, b = system.matrix[:n, :n], system.matrix[:n, n:]
         output = system.matrix[n + row]
         shifted = s * np.eye(n) - a

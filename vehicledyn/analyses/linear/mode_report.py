@@ -93,12 +93,12 @@ class ModesReport:
         value = mode.eigenvalue
         if mode.is_zero:
             return f"{_ZERO_WORDS[mode.kind]:>34} {'':>12} {'':>9}  {mode.dominant[0]}"
-        told = self._shape(mode, case, number)
+        words = self._shape(mode, case, number)
         if not mode.is_oscillation:
-            return f"{f'{value.real:.6f}':>34} {'':>12} {'':>9}  {told}"
+            return f"{f'{value.real:.6f}':>34} {'':>12} {'':>9}  {words}"
         pair = f"{round(value.real, 6) + 0.0:.6f} ± {value.imag:.6f}i"
         ratio = f"{round(mode.damping_ratio, 4) + 0.0:>9.4f}"
-        return f"{pair:>34} {mode.frequency:>9.4f} Hz {ratio}  {told}"
+        return f"{pair:>34} {mode.frequency:>9.4f} Hz {ratio}  {words}"
 
     def _shape(self, mode: Mode, case: ModeCase, number: int) -> str:
         """Return the coordinates that take part most with amplitude and phase."""

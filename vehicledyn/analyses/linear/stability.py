@@ -12,7 +12,7 @@ from vehicledyn.analyses.preparation.prepare import AssembledPoint
 from vehicledyn.analyses.preparation.prepared import Prepared
 from vehicledyn.base.errors import InputError, NumericalError
 
-_TOLD, _NAMED = 3, 6
+_LISTED, _NAMED = 3, 6
 """Growing modes, and states that are indifferent, that are named."""
 
 
@@ -52,8 +52,8 @@ class Stability:
         if not self.growing:
             return f"{self.verdict}: {', '.join(counts)}"
         fastest = [
-            f"{_value(mode)} with {', '.join(mode.dominant[:_TOLD])}"
-            for mode in self.growing[:_TOLD]
+            f"{_value(mode)} with {', '.join(mode.dominant[:_LISTED])}"
+            for mode in self.growing[:_LISTED]
         ]
         counts.insert(0, _modes(len(self.growing), "grows", "grow"))
         return f"unstable: {', '.join(counts)}; fastest {'; '.join(fastest)}"

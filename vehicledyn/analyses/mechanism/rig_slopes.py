@@ -35,7 +35,7 @@ Array = NDArray[np.float64]
 _ASIDE = 1e-40
 """Step into the complex plane, so small that its square is nothing."""
 
-_FELT = 1e-9
+_NEGLIGIBLE = 1e-9
 """Part of the largest derivative below which a loose motion of the design position is not felt."""
 
 
@@ -232,8 +232,8 @@ class BenchSlopes:
             return
         _, sizes, directions = np.linalg.svd(gaps)
         rank = int(np.sum(sizes > 1e-10 * np.max(sizes, initial=0.0)))
-        felt = np.abs(slopes @ directions[rank:].T)
-        if np.any(felt > _FELT * np.max(np.abs(slopes), initial=1e-300)):
+        effects = np.abs(slopes @ directions[rank:].T)
+        if np.any(effects > _NEGLIGIBLE * np.max(np.abs(slopes), initial=1e-300)):
             raise NumericalError(
                 "the design position has no derivative: its loops are open as they are written and "
                 "leave freedom; write start values that close them"

@@ -62,9 +62,9 @@ def energy_error(recording: Recording, jumps: Sequence[float] = ()) -> Iterator[
 def rough_balance(recording: Recording) -> EnergyBalance | None:
     """Return the balance of the energy by local cubics, at a tenth of the price, None as below.
 
-    Samples must fit into memory, each at a time of its own. Its doubt is what cubics differ by from
-    straight lines, or from cubics through every second sample where that is more: contacts shorter
-    than a few samples.
+    Samples must fit into memory, each at a time of its own. Its uncertainty is what cubics differ
+    by from straight lines, or from cubics through every second sample where that is more: contacts
+    shorter than a few samples.
     """
     if recording.count < 2 or not {*ENERGIES, POWER} <= set(recording.channels):
         return None
@@ -77,9 +77,9 @@ def rough_balance(recording: Recording) -> EnergyBalance | None:
         spans = [float(np.ptp(rows.channels[name])) for name in ENERGIES]
         largest = _LEAST_OF_KINETIC * float(rows.channels[ENERGIES[0]].max())
         coarse = np.append(0.0, np.cumsum(_rough_work(rows.time[::2], power[::2])[0]))
-        doubts = np.append(np.cumsum(parts - lines), work[::2] - coarse)
+        differences = np.append(np.cumsum(parts - lines), work[::2] - coarse)
         exchanged = max(largest, *spans, float(np.ptp(work)))
-        return EnergyBalance(error, exchanged, float(np.abs(doubts).max()))
+        return EnergyBalance(error, exchanged, float(np.abs(differences).max()))
 
 
 def _rough_work(times: Floats, power: Floats) -> tuple[Floats, Floats]:

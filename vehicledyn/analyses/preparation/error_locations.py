@@ -42,8 +42,8 @@ def _with_places(text: str, names: list[str], places: Mapping[str, Problem]) -> 
         if mark is not None and mark != lines[0]
     ]
     head, line, rest = text.partition("\n")
-    told = f"{head} ({', '.join(others)})" if others else head
-    return str(first._replace(message=f"{told}{line}{rest}"))
+    listed = f"{head} ({', '.join(others)})" if others else head
+    return str(first._replace(message=f"{listed}{line}{rest}"))
 
 
 def wrong_output(
@@ -67,7 +67,7 @@ def wrong_output(
         key = override.partition("=")[0].strip()
         if key == f"output.{field}":
             sources.override(("output", field), setting(key))
-    told = [
+    listed = [
         sources.problem(("output", field, given.index(wrong)), words) for wrong, words in problems
     ]
-    return refusal(told, name)
+    return refusal(listed, name)

@@ -43,7 +43,7 @@ def refuse_idle_start(prepared: Prepared, time: float, state: Vector, unknowns: 
     names = [name for idle in found for name in idle.shares]
     remedy = "start these coordinates elsewhere, or take joints in another order"
     raise InputError(
-        f"the mass matrix is {state_of(found)} at the start: {_told(prepared, found)} there; "
+        f"the mass matrix is {state_of(found)} at the start: {_described(prepared, found)} there; "
         f"{found[0].remedy if found[0].is_negative else remedy}",
         about=names,
     )
@@ -84,11 +84,11 @@ def nearly_singular_mass(prepared: Prepared, time: float, state: Vector, unknown
     found = _idle(prepared, time, state, unknowns, share=_HARDLY)
     if not found:
         return ""
-    told = _told(prepared, found).replace("nothing resists", "hardly anything resists")
-    return f"near t = {time:.6g} s the mass matrix is almost singular: {told}"
+    described = _described(prepared, found).replace("nothing resists", "hardly anything resists")
+    return f"near t = {time:.6g} s the mass matrix is almost singular: {described}"
 
 
-def _told(prepared: Prepared, found: list[Idle]) -> str:
+def _described(prepared: Prepared, found: list[Idle]) -> str:
     from vehicledyn.multibody.equations.singular_mass import owners_of
 
     owners = owners_of(prepared.subject.system)

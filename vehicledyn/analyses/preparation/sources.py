@@ -94,5 +94,5 @@ def _source_of_file(text: str) -> str:
     if comment is None:
         return ""
     named = _SOURCE.search(comment[0])
-    told = named[1] if named else _SCHEMA_LINE.sub("", comment[0])
-    return " ".join(told.replace("#", " ").split())
+    citation = named[1] if named else _SCHEMA_LINE.sub("", comment[0])
+    return " ".join(citation.replace("#", " ").split())

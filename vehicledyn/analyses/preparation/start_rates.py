@@ -85,10 +85,10 @@ def _on_constraints(kernel: Kernel, time: float, state: Vector, unknowns: Vector
 
 def _contradiction(kernel: Kernel, names: list[str], wanted: Vector, rates: Vector) -> str:
     units = {c.name: c.unit for c in kernel.equations.channels}
-    told = [
+    lines = [
         f"  - '{name}' is given {shown(float(w), units[f'{name}_rate'])}, the constraints and the "
         f"other rates make it {shown(float(r), units[f'{name}_rate'])}"
         for name, w, r in zip(names, wanted, rates, strict=True)
         if abs(w - r) > _AGREE * (1.0 + abs(w))
     ]
-    return "\n".join(["the start is inconsistent: rates contradict the constraints", *told])
+    return "\n".join(["the start is inconsistent: rates contradict the constraints", *lines])

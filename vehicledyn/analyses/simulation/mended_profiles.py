@@ -8,7 +8,7 @@ from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.rail.profiles.profile import Profile
 from vehicledyn.rail.track.track_set import TrackChoice
 
-_TOLD = ("left out: ", "bridged: ", "points scatter")
+_REPORTED = ("left out: ", "bridged: ", "points scatter")
 
 
 def mended_profiles(loaded: LoadedScenario) -> list[str]:
@@ -17,7 +17,7 @@ def mended_profiles(loaded: LoadedScenario) -> list[str]:
         f"{profile.source}: {note}"
         for profile in _profiles(loaded)
         for note in profile.notes
-        if note.startswith(_TOLD)
+        if note.startswith(_REPORTED)
     ]
     return list(dict.fromkeys(said))
 

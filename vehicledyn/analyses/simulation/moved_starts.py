@@ -35,5 +35,7 @@ def moved_starts(prepared: Prepared, start: AssembledPoint) -> list[str]:
     if not moved:
         return []
     others = [f"and {len(moved) - _MOST} more"] if len(moved) > _MOST else []
-    told = ", ".join([*moved[:_MOST], *others])
-    return [f"start moved so that the constraints hold: {told}; 'role: independent' keeps a start"]
+    listed = ", ".join([*moved[:_MOST], *others])
+    return [
+        f"start moved so that the constraints hold: {listed}; 'role: independent' keeps a start"
+    ]

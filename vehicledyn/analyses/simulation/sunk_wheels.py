@@ -45,14 +45,14 @@ def refuse_sunk_wheels(prepared: Prepared, start: AssembledPoint) -> None:
     sunk = {wheel: depth for wheel, depth in deepest.items() if depth > DEEPEST}
     if not sunk:
         return
-    told = [
+    lines = [
         f"the {side} wheel of '{name}' is {1e3 * depth:.3g} mm deep in its rail"
         f"{_beside(values.get(f'{name}.lateral_shift'))}"
         for (name, side), depth in list(sunk.items())[:_LISTED]
     ]
     more = f"; so are {len(sunk) - _LISTED} more wheels" if len(sunk) > _LISTED else ""
     raise InputError(
-        f"the vehicle starts beside the rails: {'; '.join(told)}{more}; give start values with "
+        f"the vehicle starts beside the rails: {'; '.join(lines)}{more}; give start values with "
         "the wheels on the rails, or let them down by 'start: static'",
         about=list(dict.fromkeys(name for name, _ in sunk)),
     )

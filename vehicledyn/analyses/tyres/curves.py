@@ -137,8 +137,8 @@ def tyre_table(tyre: Tyre, title: str, loads: Sequence[float], speed: float = 16
     for name, (slips, angles, cambers) in grids.items():
         axes = np.meshgrid(np.array(loads), angles, slips, cambers, indexing="ij")
         load, angle, slip, camber = (axis.ravel() for axis in axes)
-        felt = np.stack([load, slip, angle, camber], axis=1)
-        values = np.hstack([felt, evaluate(felt)])
+        inputs = np.stack([load, slip, angle, camber], axis=1)
+        values = np.hstack([inputs, evaluate(inputs)])
         sweeps[name] = dict(zip(COLUMNS, values.T, strict=True))
     return TyreTable(title, sweeps)
 
@@ -150,7 +150,7 @@ def force_function(tyre: Tyre, speed: float) -> Callable[[Array], Array]:
     found = tyre.forces(TyreInput(load, slip, angle, camber, speed))
     column = ops.column([getattr(found, name) for name in list(COLUMNS)[4:]])
     function = ops.numeric(symbols, column)
-    return lambda felt: function(*felt.T[:, None]).T
+    return lambda inputs: function(*inputs.T[:, None]).T
 
 
 def _facts(tyre: FileTyre, table: TyreTable) -> dict[str, Any]:
@@ -186,8 +186,10 @@ def _key_figures(tyre: FileTyre, table: TyreTable, load: float) -> dict[str, flo
     """Return slopes at no slip, peaks and relaxation lengths at a load."""
     step = 1e-5
     evaluate = force_function(tyre, 16.7)
-    felt = np.array([[load, s, a, 0.0] for s, a in ((step, 0), (-step, 0), (0, step), (0, -step))])
-    forces = evaluate(felt)
+    inputs = np.array(
+        [[load, s, a, 0.0] for s, a in ((step, 0), (-step, 0), (0, step), (0, -step))]
+    )
+    forces = evaluate(inputs)
     along, across = table.of_load("longitudinal", load), table.of_load("lateral", load)
     try:
         lengths = tyre.relaxation_lengths(TyreInput(load, 0.0, 0.0, 0.0))

@@ -135,9 +135,9 @@ def fit_tyre(
         If the fit does not converge.
     """
     tyre = TyreOfFile(file=str(path), convention=convention, mirror="never")
-    felt, measured = _read(data)
+    given, measured = _read(data)
     chosen = _chosen(names, list(measured))
-    problem = _Problem(tyre, chosen, felt, measured)
+    problem = _Problem(tyre, chosen, given, measured)
     start = np.array([tyre.content.values[name] for name in chosen])
     value, half = problem.solve(start, f"{data}")
     residuals = {}
@@ -155,10 +155,10 @@ def fit_tyre(
         from vehicledyn.results.plots.picture_files import save_figures
         from vehicledyn.results.plots.tyres.tyre_fit_figures import fit_figures
 
-        columns = dict(zip(_INPUTS, felt.T, strict=True))
+        columns = dict(zip(_INPUTS, given.T, strict=True))
         curves = problem.forces(value)
         save_figures(fit_figures(columns, measured, curves), plots, ("png", "svg"))
-    return TyreFit(str(path), str(data), len(felt), fitted, residuals, output, plots)
+    return TyreFit(str(path), str(data), len(given), fitted, residuals, output, plots)
 
 
 def _rms(values: Array) -> float:
@@ -171,16 +171,16 @@ def _read(data: Path) -> tuple[Array, dict[str, Array]]:
     numbers = {name: np.array(values) for name, values in columns.numbers.items()}
     count = len(numbers["load"])
     zero = np.zeros(count)
-    felt = np.stack([numbers.get(name, zero) for name in _INPUTS], axis=1)
+    given = np.stack([numbers.get(name, zero) for name in _INPUTS], axis=1)
     measured = {name: numbers[name] for name in _FORCES if name in numbers}
     if not measured:
         raise InputError(f"{data}: no forces: give one of {', '.join(_FORCES)} as a column")
-    for name, values in {**dict(zip(_INPUTS, felt.T, strict=True)), **measured}.items():
+    for name, values in {**dict(zip(_INPUTS, given.T, strict=True)), **measured}.items():
         wrong = np.flatnonzero(~np.isfinite(values))
         if wrong.size:
             line = columns.lines[int(wrong[0])]
             raise InputError(f"{data}:{line}: {name}: expected a number in every line")
-    return felt, measured
+    return given, measured
 
 
 def _chosen(names: Sequence[str], measured: list[str]) -> list[str]:
@@ -198,10 +198,10 @@ class _Problem:
     """Residuals of the forces and their derivatives by the coefficients."""
 
     def __init__(
-        self, tyre: FileTyre, names: list[str], felt: Array, measured: dict[str, Array]
+        self, tyre: FileTyre, names: list[str], given: Array, measured: dict[str, Array]
     ) -> None:
         self.names, self._measured = names, measured
-        self._rows = [column[None] for column in felt.T]
+        self._rows = [column[None] for column in given.T]
         self._scales = {n: max(float(np.abs(v).max()), 1e-9) for n, v in measured.items()}
         inputs = [ops.symbol(name) for name in _INPUTS]
         symbols = ops.column([ops.symbol(name) for name in names])

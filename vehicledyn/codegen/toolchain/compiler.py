@@ -236,7 +236,7 @@ def _ask_version(command: tuple[str, ...]) -> Compiler:
 
 
 def _processor() -> str:
-    """Return a digest of the instructions this processor knows, or "" where none is told."""
+    """Return a digest of the instructions this processor knows, or "" where it is unknown."""
     if platform.machine() != "x86_64":
         return ""
     try:
@@ -256,7 +256,9 @@ def _run(command: list[str], limit: float) -> str:
         raise CompilationError(f"{command[0]} does not run: {error}") from None
     if done.returncode:
         lines = [line for line in done.stderr.splitlines() if line.strip()]
-        told = [line for line in lines if not line.startswith("collect2:")] or lines
-        errors = [line for line in told if "error" in line.lower()] or told or ["no message"]
+        relevant = [line for line in lines if not line.startswith("collect2:")] or lines
+        errors = (
+            [line for line in relevant if "error" in line.lower()] or relevant or ["no message"]
+        )
         raise CompilationError(f"{command[0]} failed: {errors[0].strip()}")
     return done.stdout

@@ -164,13 +164,13 @@ def examine_scenario(
     written, wrong_model = (
         built.changed(data, sources) if built else _read_written(data, path, sources)
     )
-    problems += _unless_told(problems, wrong) + wrong_model
-    problems += _unless_told(problems, unsuitable(data, written, sources))
+    problems += _not_yet_reported(problems, wrong) + wrong_model
+    problems += _not_yet_reported(problems, unsuitable(data, written, sources))
     if scenario is not None:
-        told = [*beside(scenario, path.parent), *_motion_beside(scenario, path.parent)]
-        told = told or refused_tyres(scenario, path.parent)
-        told += named_coordinates(scenario, {} if written is None else written.coordinates)
-        problems += [sources.problem(place, words) for place, words in told]
+        wrong_beside = [*beside(scenario, path.parent), *_motion_beside(scenario, path.parent)]
+        wrong_beside = wrong_beside or refused_tyres(scenario, path.parent)
+        wrong_beside += named_coordinates(scenario, {} if written is None else written.coordinates)
+        problems += [sources.problem(place, words) for place, words in wrong_beside]
     units = _units_of_sections(data) if scenario is None else units_of(scenario)
     if written is not None:
         units |= {f"parameters.{name}": unit for name, unit in written.units.items()}
@@ -369,9 +369,9 @@ def _check_top(document: Document) -> list[Problem]:
     return [Problem(document.name, START, "file", text)]
 
 
-def _unless_told(told: list[Problem], new: list[Problem]) -> list[Problem]:
+def _not_yet_reported(reported: list[Problem], new: list[Problem]) -> list[Problem]:
     """Return the new problems but for those at a place where one is reported already."""
-    places = {(problem.mark, problem.field) for problem in told if problem.mark is not None}
+    places = {(problem.mark, problem.field) for problem in reported if problem.mark is not None}
     return [problem for problem in new if (problem.mark, problem.field) not in places]
 
 

@@ -20,8 +20,8 @@ def changed_title(title: str, overrides: Sequence[str]) -> str:
     for override in overrides:
         key, _, value = override.partition("=")
         values[key.strip().removeprefix("parameters.")] = " ".join(value.split()).strip("\"'")
-    told = [f"{key} = {text}" for key, text in values.items() if key.split(".")[0] not in _BESIDE]
-    if not told or "title" in values:
+    lines = [f"{key} = {text}" for key, text in values.items() if key.split(".")[0] not in _BESIDE]
+    if not lines or "title" in values:
         return title
-    more = [f"and {len(told) - _MOST} more"] if len(told) > _MOST else []
-    return f"{title}, changed: {', '.join([*told[:_MOST], *more])}"
+    more = [f"and {len(lines) - _MOST} more"] if len(lines) > _MOST else []
+    return f"{title}, changed: {', '.join([*lines[:_MOST], *more])}"

@@ -57,17 +57,17 @@ class Reading:
         self._note((self.expansion.place(p), w) for p, w in self.expansion.problems)
         for place, words in self.changes.problems:
             self.problems.append(self.outer.problem(place, words, at_key=True))
-        self._tell(self.parameters.problems)
+        self._add(self.parameters.problems)
         changed = list(changes.changed_units(self.changes, self.parameters))
         unfit = [p for use in self.uses for p in assemblies.other_units(use, self.parameters)]
-        self._tell([*changed, *unfit])
+        self._add([*changed, *unfit])
         if self.expansion.overflows or unfit:
             return None
         try:
             file = SystemFile.model_validate(self.expansion.data)
         except ValidationError as error:
             for line in error.errors():
-                self._tell_one(line["loc"], words_of(line), at_key=line["type"] == UNKNOWN_KEY)
+                self._add_one(line["loc"], words_of(line), at_key=line["type"] == UNKNOWN_KEY)
             return None
         if self.lacks_assemblies:
             return None
@@ -75,17 +75,17 @@ class Reading:
         flat, self.flat = flatten(file, self.uses, self.path)
         self.expansion.origins.update(self.flat.origins)
         for place, words, at_key in self.flat.problems:
-            self._tell_one(place, words, at_key=at_key)
+            self._add_one(place, words, at_key=at_key)
         if self.flat.problems and self.uses:
             return None
         known = self.changes.before if changed else self.parameters
         brought = brought_by(flat, known)
         coordinates = {**brought.coordinates, **coordinates_of(flat)}
-        self._tell(brought.problems)
-        self._tell(brought.hanging_problems(flat))
+        self._add(brought.problems)
+        self._add(brought.hanging_problems(flat))
         found = check(flat, coordinates, known, brought.parents, brought.carriers)
-        self._tell(item for item in found if not brought.is_consequence(item[1]))
-        self._tell(interface_problems(flat, coordinates, self.parameters.declared))
+        self._add(item for item in found if not brought.is_consequence(item[1]))
+        self._add(interface_problems(flat, coordinates, self.parameters.declared))
         return _parents_first(flat)
 
     def _with_folders(self, file: SystemFile) -> SystemFile:
@@ -146,7 +146,7 @@ class Reading:
     def look_beside(self, file: SystemFile, folder: Path) -> None:
         """Note what is wrong with the files that the parts of the file name."""
         for place, words in beside(file, folder):
-            self._tell_one(place, words)
+            self._add_one(place, words)
 
     def motion(self, coordinates: dict[str, Coordinate]) -> dict[str, TimeLaw]:
         """Return the laws of the motion that a scenario prescribes."""
@@ -154,13 +154,13 @@ class Reading:
         self.problems += [self.outer.problem(place, words) for place, words in problems]
         return laws
 
-    def _tell(self, found: Iterable[tuple[Place, str]]) -> None:
+    def _add(self, found: Iterable[tuple[Place, str]]) -> None:
         for place, words in found:
-            self._tell_one(place, words)
+            self._add_one(place, words)
             if len(self.problems) >= MOST_FOUND:
                 return
 
-    def _tell_one(self, place: Place, words: str, *, at_key: bool = False) -> None:
+    def _add_one(self, place: Place, words: str, *, at_key: bool = False) -> None:
         self.problems.append(self.problem(place, words, at_key=at_key))
 
     def problem(self, place: Place, words: str, *, at_key: bool = True) -> Problem:

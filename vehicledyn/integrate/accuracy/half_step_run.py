@@ -280,7 +280,7 @@ def energy_is_off(watch: MonitoredRun) -> bool:
         rough = balance_of(watch, watch.kept, rough=True)
         if rough is None or rough.part <= _DRIFTED:
             return False
-        if rough.error > rough.doubt + _DRIFTED * rough.exchanged:
+        if rough.error > rough.uncertainty + _DRIFTED * rough.exchanged:
             return True
         found = balance_of(watch, watch.kept) if rough.part > 0.75 * MOVED else None
     return found is not None and found.part > MOVED
@@ -295,7 +295,7 @@ def lost_energy(watch: MonitoredRun) -> float:
         return 0.0
     with np.errstate(all="ignore"):
         found = balance_of(watch, watch.kept)
-        if found is None or not found.error > found.doubt + _LOST * found.exchanged:
+        if found is None or not found.error > found.uncertainty + _LOST * found.exchanged:
             return 0.0
     return found.part
 

@@ -64,7 +64,7 @@ class ReactionSensor(BasePart):
         """Return the components, named force_x, torque_x and so on."""
         wrench = _forces(self.name, situation).reaction(self.body)
         moved = _about(wrench, self._arm(situation.kinematics))
-        return _told(self, situation, moved, f"of the joint of '{self.body}' on it")
+        return _force_output(self, situation, moved, f"of the joint of '{self.body}' on it")
 
     def _arm(self, kinematics: Kinematics) -> Vec:
         """Return where the torque is taken, from the body's origin in its axes [m]."""
@@ -103,7 +103,7 @@ class ConstraintForceSensor(BasePart):
         """Return the components, named force_x, torque_x and so on."""
         wrench = _forces(self.name, situation).exerted(self.constraint, self.body)
         moved = _about(wrench, ops.vector(*self.point))
-        return _told(self, situation, moved, f"of '{self.constraint}' on '{self.body}'")
+        return _force_output(self, situation, moved, f"of '{self.constraint}' on '{self.body}'")
 
 
 def _forces(name: str, situation: Situation) -> TransmittedForces:
@@ -116,7 +116,7 @@ def _about(wrench: JointWrench, arm: Vec) -> JointWrench:
     return JointWrench(wrench.force, wrench.torque - ops.cross(arm, wrench.force))
 
 
-def _told(
+def _force_output(
     sensor: ReactionSensor | ConstraintForceSensor,
     situation: Situation,
     wrench: JointWrench,

@@ -99,10 +99,10 @@ class FloorSensor(BasePart):
     def outputs(self, situation: Situation) -> tuple[Output, ...]:
         """Return the three accelerations and the roll rate."""
         text = f"acceleration felt on the floor of {self.body}"
-        felt = _felt(situation, self.name, self.body, self.point, text)
+        force = _specific_force(situation, self.name, self.body, self.point, text)
         roll = Channel(f"{self.name}.roll_rate", "rad/s", f"Roll rate of {self.body}", "body")
         rate = situation.kinematics.angular_velocity(self.body)[0]
-        return (*felt, Output(roll, rate))
+        return (*force, Output(roll, rate))
 
 
 @register("sensor_type", "seat")
@@ -121,10 +121,10 @@ class SeatSensor(BasePart):
     def outputs(self, situation: Situation) -> tuple[Output, ...]:
         """Return the three accelerations."""
         text = f"acceleration felt on a seat of {self.body}"
-        return _felt(situation, self.name, self.body, self.point, text)
+        return _specific_force(situation, self.name, self.body, self.point, text)
 
 
-def _felt(
+def _specific_force(
     situation: Situation, name: str, body: str, point: Sequence[Scalar], text: str
 ) -> tuple[Output, ...]:
     """Return a - g less |g| upwards at a point, in the axes of its body [m/s²]."""
@@ -132,8 +132,8 @@ def _felt(
         raise ForcesUnknownError(f"sensor '{name}': gravity is known to outputs only")
     kinematics, gravity = situation.kinematics, situation.forces.gravity
     to_body = kinematics.rotation(body).T
-    felt = to_body @ (kinematics.acceleration(body, point) - gravity)
-    values = (felt[0], felt[1], felt[2] - ops.sqrt(ops.dot(gravity, gravity)))
+    force = to_body @ (kinematics.acceleration(body, point) - gravity)
+    values = (force[0], force[1], force[2] - ops.sqrt(ops.dot(gravity, gravity)))
     return tuple(
         Output(Channel(f"{name}.{word}", "m/s^2", f"{word.capitalize()} {text}", "body"), value)
         for word, value in zip(_WORDS, values, strict=True)

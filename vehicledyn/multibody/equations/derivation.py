@@ -54,8 +54,8 @@ def derive(
 
     M(q) q̈ + c(q, q̇, loads) = Jᵀ λ of the tree, reduced to the independent coordinates by the
     partitioned constraints (book, chapters 3.3 and 4.5.1). The order of states, unknowns and
-    residuals is told in :func:`~vehicledyn.multibody.equations.assemble_equations.collect`. The
-    log reports loops without freedom: frames whose forces are found, but that cannot move.
+    residuals is described in :func:`~vehicledyn.multibody.equations.assemble_equations.collect`.
+    The log reports loops without freedom: frames whose forces are found, but that cannot move.
 
     Parameters
     ----------

@@ -69,12 +69,12 @@ def smallest_share(links: Sequence[LinkNumbers], bodies: Mapping[int, Array]) ->
     bodies
         Rows of the bodies, see :func:`body_rows`, by the index of their link.
     """
-    felt: list[list[Array]] = [[bodies.get(k, _NONE)] for k in range(len(links))]
+    gathered: list[list[Array]] = [[bodies.get(k, _NONE)] for k in range(len(links))]
     whole: list[list[Array]] = [[bodies.get(k, _NONE)] for k in range(len(links))]
     smallest = np.inf
     for k in reversed(range(len(links))):
         item = links[k]
-        rows, all_rows = _compressed(felt[k]), _compressed(whole[k])
+        rows, all_rows = _compressed(gathered[k]), _compressed(whole[k])
         if item.motion is not None:
             column, own = rows @ item.motion, np.sqrt(max(item.reflected, 0.0))
             bodies_size = float(np.linalg.norm(column))
@@ -88,7 +88,7 @@ def smallest_share(links: Sequence[LinkNumbers], bodies: Mapping[int, Array]) ->
                 rows = rows - lost * np.outer(column, column @ rows)
         if item.parent >= 0:
             carried = _carried(item)
-            felt[item.parent].append(rows @ carried)
+            gathered[item.parent].append(rows @ carried)
             whole[item.parent].append(all_rows @ carried)
     return smallest
 
@@ -100,9 +100,9 @@ def first_negative(links: Sequence[LinkNumbers], bodies: Mapping[int, Array]) ->
     what the joints feel, those beyond free, are the pivots of its factorisation. Parameters are
     those of :func:`smallest_share`.
     """
-    felt = [rows.T @ rows for rows in (bodies.get(k, _NONE) for k in range(len(links)))]
+    gathered = [rows.T @ rows for rows in (bodies.get(k, _NONE) for k in range(len(links)))]
     for k in reversed(range(len(links))):
-        item, inertia = links[k], felt[k]
+        item, inertia = links[k], gathered[k]
         if item.motion is not None:
             column = inertia @ item.motion
             size = float(item.motion @ column) + item.reflected
@@ -111,7 +111,7 @@ def first_negative(links: Sequence[LinkNumbers], bodies: Mapping[int, Array]) ->
             inertia = inertia - np.outer(column, column) / size
         if item.parent >= 0:
             carried = _carried(item)
-            felt[item.parent] = felt[item.parent] + carried.T @ inertia @ carried
+            gathered[item.parent] = gathered[item.parent] + carried.T @ inertia @ carried
     return None
 
 

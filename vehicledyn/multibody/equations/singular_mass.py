@@ -304,10 +304,11 @@ def refuse_idle(system: System, found: Sequence[Idle]) -> None:
     if not found:
         return
     owners = owners_of(system)
-    told = "; ".join(idle.words(owners) for idle in found)
+    listed = "; ".join(idle.words(owners) for idle in found)
     names = tuple(name for idle in found for name in idle.shares)
     raise InputError(
-        f"system '{system.name}': the mass matrix is {state_of(found)}: {told}; {found[0].remedy}",
+        f"system '{system.name}': the mass matrix is {state_of(found)}: {listed}; "
+        f"{found[0].remedy}",
         about=(*(owners[name] for name in names), *names),
     )
 

@@ -88,11 +88,11 @@ class RigidLoop:
 
     def __str__(self) -> str:
         """Return what is wrong and what next."""
-        told = _listed([f"'{name}'" for name in self.constraints])
+        named = _listed([f"'{name}'" for name in self.constraints])
         names = _listed([f"'{name}'" for name in self.coordinates])
         held = f"they hold all that could move, {names}" if names else "nothing in it can move"
         return (
-            f"the loop of {told} has no freedom: {held}; take a constraint away, or give the loop "
+            f"the loop of {named} has no freedom: {held}; take a constraint away, or give the loop "
             "another joint"
         )
 
@@ -136,12 +136,12 @@ def rigid_loops(system: System, place: LoopAssembly, q: Array) -> tuple[RigidLoo
 def _held(joints: Sequence[Joint]) -> str:
     """Return which coordinates are driven and which declared independent."""
     kinds = {"driven": "driven", "independent": "declared independent"}
-    told = []
+    named = []
     for role, words in kinds.items():
         names = [f"'{j.name}'" for j in joints if j.role == role]
         if names:
-            told.append(f"{_listed(names)} {'is' if len(names) == 1 else 'are'} {words}")
-    return _listed(told)
+            named.append(f"{_listed(names)} {'is' if len(names) == 1 else 'are'} {words}")
+    return _listed(named)
 
 
 def _contradiction(text: str, about: Iterable[str]) -> InputError:

@@ -211,10 +211,10 @@ def refuse_contradictions(place: LoopAssembly, q: Array, chosen: Choice) -> None
             f"the constraints {cuts} leave it no freedom"
             for j in movers
         )
-        told = len(problems)
+        before = len(problems)
         if not movers and abs(pushed) > partition.RANK_TOLERANCE:
             problems.append(f"the constraints {cuts} contradict each other as time goes on")
-        if movers or len(problems) > told:
+        if movers or len(problems) > before:
             about += [*(row.cut for row in rows), *(j.name for j in movers)]
     if problems:
         raise InputError("contradictory constraints: " + "; ".join(problems), about=about)

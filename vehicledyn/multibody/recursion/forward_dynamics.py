@@ -121,7 +121,7 @@ def solve_tree(
 def _by_aligned(problem: TreeProblem, table: ParameterTable) -> tuple[dict[str, Scalar], bool]:
     """Return the accelerations by articulated inertias, on axes that spare operations.
 
-    They are written in steps where the joints are many and alike, which is told.
+    They are written in steps where the joints are many and alike.
     """
     tree = problem.kinematics.tree
     if len(problem.free) >= _MANY and all(map(_is_elementary, tree.links)):
@@ -216,7 +216,7 @@ def missing_forces(
 
 
 def by_articulated(problem: TreeProblem, *, write: Writer = written_out) -> dict[str, Scalar]:
-    """Return them by the recursion of order N, its steps written as told."""
+    """Return them by the recursion of order N, its steps written by ``write``."""
     base = problem.base
     p = problem.with_whole(base)
     kinematics = p.kinematics

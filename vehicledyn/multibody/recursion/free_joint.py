@@ -47,16 +47,16 @@ def effort_of(
     turns, slides = axes.angular, axes.linear
     if slides is None:
         column, turning = body.coupling @ turns, body.angular @ turns
-        felt, along = ops.dot(turns, turning), ops.dot(turns, wrench.torque)
+        resisting, along = ops.dot(turns, turning), ops.dot(turns, wrench.torque)
     elif turns is None:
         column, turning = body.linear @ slides, body.coupling.T @ slides
-        felt, along = ops.dot(slides, column), ops.dot(slides, wrench.force)
+        resisting, along = ops.dot(slides, column), ops.dot(slides, wrench.force)
     else:
         column = body.linear @ slides + body.coupling @ turns
         turning = body.coupling.T @ slides + body.angular @ turns
-        felt = ops.dot(slides, column) + ops.dot(turns, turning)
+        resisting = ops.dot(slides, column) + ops.dot(turns, turning)
         along = ops.dot(slides, wrench.force) + ops.dot(turns, wrench.torque)
-    inverse = 1.0 / (felt if reflected is None else felt + reflected)
+    inverse = 1.0 / (resisting if reflected is None else resisting + reflected)
     push = (force - along) * inverse
     kept = None if reflected is None else reflected * inverse
     return Effort(column, turning, column * inverse, turning * inverse, push, kept)

@@ -49,11 +49,11 @@ class ReportedContact:
     @property
     def wear_number(self) -> Scalar:
         """Return |F_x ξ| + |F_y η| + |M φ|, the work of friction a length of way [N]."""
-        creep, felt = self.creep, self.creepages
+        creep, slips = self.creep, self.creepages
         return (
-            ops.absolute(creep.longitudinal * felt.longitudinal)
-            + ops.absolute(creep.lateral * felt.lateral)
-            + ops.absolute(creep.spin_moment * felt.spin)
+            ops.absolute(creep.longitudinal * slips.longitudinal)
+            + ops.absolute(creep.lateral * slips.lateral)
+            + ops.absolute(creep.spin_moment * slips.spin)
         )
 
 

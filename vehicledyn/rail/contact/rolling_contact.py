@@ -72,8 +72,8 @@ def contact_motion(
     turning = kinematics.rotation(body) @ kinematics.angular_velocity(body)
     sliding = travelling + ops.cross(turning, point - kinematics.position(body))
     slid = (ops.dot(sliding, longitudinal), ops.dot(sliding, lateral))
-    felt = creepages(slid, ops.dot(turning, normal), speed)
-    return ContactMotion(longitudinal, lateral, normal, speed, felt)
+    found = creepages(slid, ops.dot(turning, normal), speed)
+    return ContactMotion(longitudinal, lateral, normal, speed, found)
 
 
 @dataclass(frozen=True)

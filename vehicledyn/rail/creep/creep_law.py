@@ -67,8 +67,8 @@ class CreepContact:
         speed: Scalar,
     ) -> CreepContact:
         """Return a contact with these creepages, see the attributes."""
-        felt = (creepages.longitudinal, creepages.lateral, creepages.spin)
-        return CreepContact(*felt, normal_force, ellipse, shear_modulus, poissons_ratio, speed)
+        values = (creepages.longitudinal, creepages.lateral, creepages.spin)
+        return CreepContact(*values, normal_force, ellipse, shear_modulus, poissons_ratio, speed)
 
     @property
     def area_scale(self) -> Scalar:

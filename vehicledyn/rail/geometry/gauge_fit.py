@@ -26,8 +26,8 @@ def check_fit(wheelset: WheelsetOnTrack, gauge: float) -> None:
         Gauge of the track, for the message [m].
     """
     active = _active_gauge(wheelset)
-    told = f"; the flanges are {1e3 * active:.1f} mm apart" if active else ""
-    text = f"gauge {1e3 * gauge:g} mm does not fit the wheelset{told}"
+    words = f"; the flanges are {1e3 * active:.1f} mm apart" if active else ""
+    text = f"gauge {1e3 * gauge:g} mm does not fit the wheelset{words}"
     try:
         standing = stand_level(wheelset, 0.0)
     except InputError as error:

@@ -117,8 +117,8 @@ def paint(figure: Figure, scene: AnimatedScene, time: float, view: str) -> None:
     title = wrap(scene.title, _TITLE_WIDTH)
     axes.text(0.02, 0.965, "\n".join(title), fontsize=11, weight="bold", **text)
     state = "" if scene.is_whole else f" · {scene.state}"
-    told = fill(f"{scene.model} · t = {time:.2f} s{state}", _TEXT_WIDTH)
-    axes.text(0.02, 0.965 - 0.06 * max(1, len(title)), told, fontsize=8.5, **text)
+    described = fill(f"{scene.model} · t = {time:.2f} s{state}", _TEXT_WIDTH)
+    axes.text(0.02, 0.965 - 0.06 * max(1, len(title)), described, fontsize=8.5, **text)
     if scene.levels:
         _draw_scale(figure, level_words(scene))
 

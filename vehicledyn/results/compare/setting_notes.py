@@ -34,13 +34,13 @@ def _other_model(result: Result, reference: Result) -> str:
     if ours != theirs:
         return f"model {result.model} has other equations than in the reference"
     changed = [name for name in wanted if values.get(name) != wanted[name]]
-    told = ", ".join(
+    listed = ", ".join(
         f"{name} = {shown(*values[name])} (reference {shown(*wanted[name])})"
         for name in changed[:LISTED]
         if name in values
     )
     more = f" and {len(changed) - LISTED} more" if len(changed) > LISTED else ""
-    return f"model {result.model} has other parameters than in the reference: {told}{more}"
+    return f"model {result.model} has other parameters than in the reference: {listed}{more}"
 
 
 def _other_settings(result: Result, reference: Result) -> str:
@@ -51,9 +51,9 @@ def _other_settings(result: Result, reference: Result) -> str:
         return ""
     changed = [key for key in {**theirs, **ours} if ours.get(key) != theirs.get(key)]
     pairs = [(key, *_apart(ours.get(key), theirs.get(key))) for key in changed[:LISTED]]
-    told = ", ".join(f"{key} = {_short(a)} (reference {_short(b)})" for key, a, b in pairs)
+    listed = ", ".join(f"{key} = {_short(a)} (reference {_short(b)})" for key, a, b in pairs)
     more = f" and {len(changed) - LISTED} more" if len(changed) > LISTED else ""
-    return f"set differently, in SI: {told}{more}" if changed else ""
+    return f"set differently, in SI: {listed}{more}" if changed else ""
 
 
 def _leaves(settings: Any, place: str = "") -> Iterator[tuple[str, Any]]:

@@ -28,7 +28,7 @@ _ENDS = "_real", "_imag"
 _OF_ANY_LENGTH = ("cycle_direction",)
 """Directions whose length and sign mean nothing."""
 _ENDING = "status"
-_TOLD = 3
+_LISTED = 3
 """Names that are listed of those that only one file has."""
 
 _HOW = "notes"
@@ -196,7 +196,7 @@ def _named(ours_only: Sequence[str], theirs_only: Sequence[str]) -> str:
     """Return the names that only one of two files has; nothing where they differ in order."""
     sides = (("only here", ours_only), ("only in the reference", theirs_only))
     parts = [
-        f"{words} {', '.join(names[:_TOLD])}{', ...' if len(names) > _TOLD else ''}"
+        f"{words} {', '.join(names[:_LISTED])}{', ...' if len(names) > _LISTED else ''}"
         for words, names in sides
         if names
     ]

@@ -90,9 +90,9 @@ def table_arrays(data: LabelledSet, patterns: Sequence[str]) -> list[Labelled]:
         arrays = [array for array in arrays if array.dims == main] or arrays
     arrays = [array for array in arrays if array.dims != (array.name,)] or arrays
     if len({array.dims for array in arrays}) != 1:
-        told = ", ".join(f"{array.name} ({array.size_in_words})" for array in arrays[:5])
+        listed = ", ".join(f"{array.name} ({array.size_in_words})" for array in arrays[:5])
         raise InputError(
-            f"a table needs arrays over the same dimensions, these are over: {told}; "
+            f"a table needs arrays over the same dimensions, these are over: {listed}; "
             "choose some by name, or take to_xarray()"
         )
     return arrays

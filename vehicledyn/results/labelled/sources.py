@@ -61,7 +61,7 @@ class RunSource:
             self.names: Sequence[str] = dict.fromkeys((self._axis, *result.channels))  # type: ignore[assignment]
             self._notes: tuple[str, ...] | None = None
             if result.status != "running":
-                with contextlib.suppress(InputError):  # damaged ones are told when asked for
+                with contextlib.suppress(InputError):  # damaged ones are reported when asked for
                     self._notes = result.notes
 
     def read(self, names: Sequence[str]) -> list[LabelledArray]:

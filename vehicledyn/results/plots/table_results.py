@@ -67,8 +67,8 @@ class TableDescription:
         """Return lines for a person."""
         rows = []
         for name, value in self.facts.items():
-            told = ", ".join(map(str, value)) if isinstance(value, list) else value
-            rows.append(f"  {name:12}  {told}")
+            listed = ", ".join(map(str, value)) if isinstance(value, list) else value
+            rows.append(f"  {name:12}  {listed}")
         return "\n".join([self.path, *rows])
 
 
@@ -192,14 +192,14 @@ def _handling_facts(path: Path) -> dict[str, Any]:
 
 def _cam_facts(path: Path) -> dict[str, Any]:
     table = cam_table.read_cam(path)
-    told = {name: f"{value:.6g} {unit}" for name, (value, unit, _) in table.figures.items()}
+    listed = {name: f"{value:.6g} {unit}" for name, (value, unit, _) in table.figures.items()}
     return {
         "holds": "a cam over a turn",
         "title": table.title,
         "follower": table.follower,
         "angles": len(table.angle),
         "columns": [f"{name} [{column.unit}]" for name, column in table.columns.items()],
-        **told,
+        **listed,
         "notes": list(table.notes),
     }
 

@@ -26,11 +26,11 @@ def differences(first: Content, second: Content, names: tuple[str, str]) -> list
                 )
                 return [Section("Channels", [Notes([text])])]
     found = compare_files(first.path, second.path, allow_missing=True, interpolate=True)
-    told = [*found.problems, *found.differences, *found.notes]
+    lines = [*found.problems, *found.differences, *found.notes]
     if found.skipped:
-        told.append(f"only in {names[1]}: {', '.join(found.skipped[:MOST_CHANNELS])}")
+        lines.append(f"only in {names[1]}: {', '.join(found.skipped[:MOST_CHANNELS])}")
     if found.extra:
-        told.append(f"only in {names[0]}: {', '.join(found.extra[:MOST_CHANNELS])}")
+        lines.append(f"only in {names[0]}: {', '.join(found.extra[:MOST_CHANNELS])}")
     apart = [c for c in found.channels if c.difference is not None and c.severity > 0.0]
     leading = sorted(apart, key=lambda c: -_share(c))[:MOST_CHANNELS]
     rows = [
@@ -43,7 +43,7 @@ def differences(first: Content, second: Content, names: tuple[str, str]) -> list
         )
         for c in leading
     ]
-    blocks: list[Notes | TextTable] = [Notes(told)] if told else []
+    blocks: list[Notes | TextTable] = [Notes(lines)] if lines else []
     if rows:
         head = ("Channel", *names, "Of the range", "At")
         caption = "The channels that differ most, in parts of their range, where they do most."

@@ -81,12 +81,12 @@ def _described(axes: Axes, across: str) -> str:
     what = " against ".join(filter(None, (upright or _clean(axes.get_title()), across)))
     lines = [text for line in axes.get_lines() if (text := _line(line))]
     more = len(lines) - MOST_LINES
-    told = "; ".join(lines[:MOST_LINES]) + (f"; and {more} more lines" if more > 0 else "")
+    listed = "; ".join(lines[:MOST_LINES]) + (f"; and {more} more lines" if more > 0 else "")
     if not lines and axes.patches:
-        told = f"{len(axes.patches)} bars"
+        listed = f"{len(axes.patches)} bars"
     if not lines and axes.images:
-        told = "values as colours"
-    return f"{what}: {told}" if told else what
+        listed = "values as colours"
+    return f"{what}: {listed}" if listed else what
 
 
 def _line(line: Line2D) -> str:

@@ -149,9 +149,9 @@ def render(page: Page) -> str:
 
 def readable(text: object, most: int = LONGEST_CELL) -> str:
     """Return a text without signs that have no picture, and cut where it is too long."""
-    told = str(text)
-    shown = "".join(c if c in "\n\t" or _is_shown(c) else "�" for c in told[:most])
-    return shown if len(told) <= most else f"{shown} … ({len(told)} signs in all)"
+    words = str(text)
+    shown = "".join(c if c in "\n\t" or _is_shown(c) else "�" for c in words[:most])
+    return shown if len(words) <= most else f"{shown} … ({len(words)} signs in all)"
 
 
 def _is_shown(sign: str) -> bool:

@@ -185,9 +185,9 @@ def _solver(known: Mapping[str, Any]) -> list[tuple[str, str]]:
             continue
         label = LABELS.get(name, words(name))
         unit = "s" if name.endswith(("_seconds", "_step")) else ""
-        told = f"{value:.4g}" if isinstance(value, float) else str(value)
-        told = ("no", "yes")[bool(value)] if name == "kernel_from_cache" else told
-        rows.append((label, f"{told} {unit}".strip()))
+        described = f"{value:.4g}" if isinstance(value, float) else str(value)
+        described = ("no", "yes")[bool(value)] if name == "kernel_from_cache" else described
+        rows.append((label, f"{described} {unit}".strip()))
     return rows
 
 
@@ -221,12 +221,12 @@ def flattened(value: Any, units: Mapping[str, str], place: str = "") -> Iterator
                 yield from flattened(item, units, f"{place}.{name}" if place else str(name))
     elif value is not None and value not in ([], ""):
         items = value if isinstance(value, list) else [value]
-        told = ", ".join(_told(item) for item in items)
+        described = ", ".join(_described(item) for item in items)
         unit = str(units.get(place, "1"))
-        yield place, f"{told} {unit_text(unit)}".rstrip()
+        yield place, f"{described} {unit_text(unit)}".rstrip()
 
 
-def _told(value: Any) -> str:
+def _described(value: Any) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     return f"{value:.6g}" if isinstance(value, float) else str(value)

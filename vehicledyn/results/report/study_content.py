@@ -23,14 +23,14 @@ WEAK = 0.1
 def study_content(path: Path) -> Content:
     """Return what a page shows of the file of a study."""
     known = describe_study(path)
-    told = ", ".join(f"{count} {name}" for name, count in known.cases.items() if count)
+    listed = ", ".join(f"{count} {name}" for name, count in known.cases.items() if count)
     return Content(
         path=path,
         what="Study",
         title=known.title,
         state="" if known.state == "whole" else known.state,
         facts=[
-            ("Cases", told or "none"),
+            ("Cases", listed or "none"),
             ("Channels", f"{len(known.channels)}, {known.samples} samples a case"),
             ("Status", known.status),
             ("Computed", f"{moment(known.created)} by vehicledyn {known.program_version}"),
@@ -96,8 +96,8 @@ def _details(path: Path, known: StudyDescription) -> list[Section]:
 
 def _row(spread: Spread) -> tuple[str, ...]:
     values = (spread.smallest, spread.mean, spread.largest)
-    told = ("–" if value is None else reading(value, spread.unit) for value in values)
-    return (spread.description or words(spread.name), str(spread.count), *told)
+    listed = ("–" if value is None else reading(value, spread.unit) for value in values)
+    return (spread.description or words(spread.name), str(spread.count), *listed)
 
 
 def _effects(file: StudyFile) -> Iterator[tuple[str, str]]:
@@ -109,6 +109,6 @@ def _effects(file: StudyFile) -> Iterator[tuple[str, str]]:
             continue
         found = [(rank_correlation(values, column), axis) for axis, column in columns.items()]
         strong = sorted((f for f in found if abs(f[0]) >= WEAK), key=lambda f: -abs(f[0]))
-        told = ", ".join(f"{axis} {share:+.2f}" for share, axis in strong[:LEADING])
-        if told:
-            yield figure.description or words(name), told
+        listed = ", ".join(f"{axis} {share:+.2f}" for share, axis in strong[:LEADING])
+        if listed:
+            yield figure.description or words(name), listed

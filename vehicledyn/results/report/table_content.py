@@ -173,11 +173,11 @@ def _mode_table(table: mode_table.ModeTable, case: mode_table.ModeCase) -> TextT
     rows = []
     for k, value in enumerate(case.eigenvalue):
         oscillates = case.kind[k] == "oscillation"
-        told = f"{value.real:.5g}" + (f" ± {abs(value.imag):.5g}i" if oscillates else "")
+        text = f"{value.real:.5g}" + (f" ± {abs(value.imag):.5g}i" if oscillates else "")
         frequency = number(float(case.frequency[k])) if oscillates else "–"
         damping = _damping(float(case.damping_ratio[k])) if oscillates else "–"
         leading = ", ".join(name for name, *_ in table.ranked(case, k)[:LEADING])
-        rows.append((told, case.kind[k], frequency, damping, leading))
+        rows.append((text, case.kind[k], frequency, damping, leading))
     head = ("Eigenvalue [1/s]", "Kind", "Frequency [Hz]", "Damping ratio", "Leading coordinates")
     return TextTable(head, rows, (2, 3))
 
@@ -198,8 +198,8 @@ def _responses(table: response_table.ResponseTable) -> Parts:
             name = f"{output.name} by {given.name}"
             peak, place = float(sizes[at]), float(table.frequency[at])
             still = float(table.static_gain[i, k])
-            told = number(still) if np.isfinite(still) else "does not settle"
-            rows.append((name, unit, told, number(peak), number(place)))
+            text = number(still) if np.isfinite(still) else "does not settle"
+            rows.append((name, unit, text, number(peak), number(place)))
             figures.append(KeyFigure(f"{name}, at", place, "Hz", f"Frequency of the peak, {name}"))
     head = ("Response", "Unit", "At rest", "Largest magnitude", "At [Hz]")
     return figures, [Section("Gains", [TextTable(head, rows, (2, 3, 4))])]

@@ -247,8 +247,8 @@ class StudyWriter:
     def _failed(self, error: Exception) -> InputError:
         cause = self._container.failure if self._container is not None else None
         self._release()
-        told = write_failed(self.path, cause or error)
-        return InputError(f"{told}; what is complete is kept, continue with {argument('resume')}")
+        found = write_failed(self.path, cause or error)
+        return InputError(f"{found}; what is complete is kept, continue with {argument('resume')}")
 
     def _release(self) -> None:
         if self._container is not None:

@@ -230,7 +230,7 @@ class ResultWriter(contextlib.AbstractContextManager["ResultWriter"]):
         surroundings
             What lies beneath the way, for the animation.
         notes
-            What the user was told, such as warnings.
+            Messages to the user, such as warnings.
 
         Raises
         ------

@@ -147,7 +147,7 @@ class Tandem:
 
 
 @lru_cache(maxsize=8)
-def felt(
+def enveloped_profile(
     tandem: Tandem, x: tuple[float, ...], z: tuple[float, ...]
 ) -> tuple[CurveTable, CurveTable | None]:
     """Return tables of effective height and slope over an outline that is level at both ends.

@@ -74,9 +74,9 @@ class MagicFormula1989(Tyre):
 
     def forces(self, contact: TyreInput) -> TyreForces:
         """Return the forces at combined slip, in ISO 8855 signs."""
-        felt, leaning = 0.001 * contact.normal_force, _PER_RADIAN * contact.camber
+        load_in_kn, leaning = 0.001 * contact.normal_force, _PER_RADIAN * contact.camber
         camber = ops.minimum(ops.maximum(leaning, -CAMBER_LIMIT), CAMBER_LIMIT)
-        load = ops.minimum(floored(felt, LOAD_FLOOR_KN), LOAD_LIMIT_KN)
+        load = ops.minimum(floored(load_in_kn, LOAD_FLOOR_KN), LOAD_LIMIT_KN)
         curves = (
             _lateral(self.lateral, load, camber),
             _aligning(self.aligning, load, camber),
@@ -85,7 +85,7 @@ class MagicFormula1989(Tyre):
         across, moment, along = (curve.on_friction(self.friction) for curve in curves)
         slip, angle = 100.0 * contact.longitudinal_slip, _PER_RADIAN * contact.slip_angle
         found = similar_forces((across, moment, along), slip, angle)
-        share = felt / load
+        share = load_in_kn / load
         return TyreForces(
             share * found.longitudinal_force,
             share * found.lateral_force,

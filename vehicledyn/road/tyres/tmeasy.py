@@ -123,15 +123,15 @@ class TMeasy(Tyre):
 
     def forces(self, contact: TyreInput) -> TyreForces:
         """Return the forces at combined slip."""
-        felt = contact.normal_force / self.nominal_load
-        load = ops.minimum(floored(felt, LOAD_FLOOR), LOAD_CEILING)
+        relative_load = contact.normal_force / self.nominal_load
+        load = ops.minimum(floored(relative_load, LOAD_FLOOR), LOAD_CEILING)
         along, across = (_at_load(p, load) for p in (self.longitudinal, self.lateral))
         angle = ops.minimum(ops.maximum(contact.slip_angle, -ANGLE_LIMIT), ANGLE_LIMIT)
         rolled = floored(1.0 + contact.longitudinal_slip, ROLLING_FLOOR)
         slip = contact.longitudinal_slip / rolled
         side = ops.tan(angle) / rolled + self.camber_slip * contact.camber
         force_x, force_y = _combined(along, across, slip / self.friction, side / self.friction)
-        share = self.friction * felt / load
+        share = self.friction * relative_load / load
         lateral = -share * force_y
         return TyreForces(share * force_x, lateral, -self._trail(side) * lateral)
 

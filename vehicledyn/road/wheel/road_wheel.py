@@ -53,7 +53,7 @@ class WheelState:
 
     contact: Contact
     motion: WheelMotion
-    felt: TyreInput
+    inputs: TyreInput
     forces: TyreForces
     rates: dict[str, Scalar]
     friction: Scalar
@@ -167,25 +167,25 @@ class RoadWheel(BasePart):
     def outputs(self, situation: Situation) -> tuple[Output, ...]:
         """Return the channels of contact, slip and tyre forces."""
         state = self.state(situation)
-        contact, felt, forces = state.contact, state.felt, state.forces
+        contact, inputs, forces = state.contact, state.inputs, state.forces
         along, across = forces.longitudinal_force, forces.lateral_force
         moment = forces.aligning_moment
         spin_rate = situation.kinematics.rate(self.spin)
         x, y, z = contact.position[0], contact.position[1], contact.position[2]
         channels = (
-            ("tyre.normal_force", "N", "Wheel load", felt.normal_force, "contact"),
+            ("tyre.normal_force", "N", "Wheel load", inputs.normal_force, "contact"),
             ("tyre.longitudinal_force", "N", "Tyre force along the wheel", along, "contact"),
             ("tyre.lateral_force", "N", "Tyre force to the left", across, "contact"),
             ("tyre.aligning_moment", "N*m", "Tyre moment about the ground", moment, "contact"),
-            ("tyre.longitudinal_slip", "1", "Longitudinal slip", felt.longitudinal_slip, ""),
-            ("tyre.slip_angle", "rad", "Slip angle", felt.slip_angle, ""),
+            ("tyre.longitudinal_slip", "1", "Longitudinal slip", inputs.longitudinal_slip, ""),
+            ("tyre.slip_angle", "rad", "Slip angle", inputs.slip_angle, ""),
             ("tyre.camber", "rad", "Camber to the ground", contact.camber, ""),
             ("tyre.deflection", "m", "Radial deflection", contact.deflection, ""),
             ("contact_x", "m", "Contact point, x", x, "world"),
             ("contact_y", "m", "Contact point, y", y, "world"),
             ("contact_z", "m", "Contact point, z", z, "world"),
             ("spin_rate", "rad/s", "Spin relative to the carrier", spin_rate, "joint"),
-            *_further_channels(forces, felt),
+            *_further_channels(forces, inputs),
             *self._friction_channel(state),
             *self._sinkage_channel(situation),
         )
@@ -227,23 +227,23 @@ class RoadWheel(BasePart):
             angle = slip_angle(motion, self.floors.lateral)
             camber = camber * rolling_share(ops.absolute(motion.longitudinal))
         curved = turn_slip(motion, self.floors.lateral) if self.tyre.feels_turn_slip else 0.0
-        felt = TyreInput(load, slip, angle, camber, motion.longitudinal, curved)
+        inputs = TyreInput(load, slip, angle, camber, motion.longitudinal, curved)
         friction: Scalar = 1.0
         if self.surface.soil is not None:
-            forces = self._of_soil(situation, felt)
+            forces = self._of_soil(situation, inputs)
         else:
             friction = self.surface.friction(contact.position[0], contact.position[1])
-            forces = self.tyre.on_ground(friction).forces(felt)
+            forces = self.tyre.on_ground(friction).forces(inputs)
         rates: dict[str, Scalar] = {}
         if self.relaxation is not None and slips is not None:
             forces, rates = self.relaxation.answer(forces, slips, motion, situation.states, load)
-        return WheelState(contact, motion, felt, forces, rates, friction)
+        return WheelState(contact, motion, inputs, forces, rates, friction)
 
-    def _of_soil(self, situation: Situation, felt: TyreInput) -> TyreForces:
+    def _of_soil(self, situation: Situation, inputs: TyreInput) -> TyreForces:
         """Return the forces of soft ground, in place of those of the tyre law."""
-        soil = self._soil(situation, felt)
+        soil = self._soil(situation, inputs)
         contact = self._contact(situation)
-        loaded = ops.where(felt.normal_force > 0.0, 1.0, 0.0)
+        loaded = ops.where(inputs.normal_force > 0.0, 1.0, 0.0)
         return TyreForces(
             loaded * soil.pull,
             loaded * soil.side,
@@ -251,15 +251,15 @@ class RoadWheel(BasePart):
             rolling_resistance=loaded * (soil.pull * contact.loaded_radius - soil.torque),
         )
 
-    def _soil(self, situation: Situation, felt: TyreInput) -> SoilForces:
+    def _soil(self, situation: Situation, inputs: TyreInput) -> SoilForces:
         assert self.surface.soil is not None
         return soil_forces(
             self.surface.soil,
             self._rolling_radius(situation, self._contact(situation)),
             situation.unknowns[_SINKAGE],
-            slip=felt.longitudinal_slip,
-            side_slip=ops.tan(felt.slip_angle),
-            direction=direction_of_travel(felt.forward_speed),
+            slip=inputs.longitudinal_slip,
+            side_slip=ops.tan(inputs.slip_angle),
+            direction=direction_of_travel(inputs.forward_speed),
         )
 
     def _contact(self, situation: Situation) -> Contact:
@@ -298,7 +298,7 @@ class RoadWheel(BasePart):
             residuals = contact_residuals(self.surface, centre, axis, offset, torus=torus)
         if self.surface.soil is not None:
             sinkage = situation.unknowns[_SINKAGE]
-            held = self._soil(situation, state.felt).load
+            held = self._soil(situation, state.inputs).load
             carried = ops.where(sinkage > 0.0, held, self.stiffness * sinkage)
             carried -= self._spring_force(situation, state.contact)
             residuals += (carried / self.stiffness,)
@@ -366,7 +366,7 @@ class RoadWheel(BasePart):
     def _wrench(self, situation: Situation, state: WheelState) -> Wrench:
         contact, forces = state.contact, state.forces
         force = (
-            contact.normal * state.felt.normal_force
+            contact.normal * state.inputs.normal_force
             + contact.longitudinal * forces.longitudinal_force
             + contact.lateral * forces.lateral_force
         )
@@ -382,7 +382,7 @@ class RoadWheel(BasePart):
 
 
 def _further_channels(
-    forces: TyreForces, felt: TyreInput
+    forces: TyreForces, inputs: TyreInput
 ) -> tuple[tuple[str, str, str, Scalar, str], ...]:
     """Return the channels that only some tyre laws have."""
     tilt, drag = forces.overturning_moment, forces.rolling_resistance
@@ -395,6 +395,6 @@ def _further_channels(
             "contact",
         ),
         ("tyre.rolling_resistance", "N*m", "Rolling resistance about the spin axis", drag, "joint"),
-        ("tyre.turn_slip", "1/m", "Turn slip, positive to the right", felt.turn_slip, ""),
+        ("tyre.turn_slip", "1/m", "Turn slip, positive to the right", inputs.turn_slip, ""),
     )
     return tuple(item for item in found if not ops.is_structurally_zero(item[3]))

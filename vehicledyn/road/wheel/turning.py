@@ -54,8 +54,8 @@ class Turning(ParameterSet):
         stuck = 2.0 / (share + ops.sqrt(share * share + 4.0))
         slid = 1.0 - stuck * stuck
         size = 0.5 * share * stuck * stuck * stuck + 0.375 * slid * slid
-        felt = self.friction * ops.maximum(load, 0.0) * self.half_length
-        return -felt * size * 2.0 * self.stiffness * twist / (limit * share)
+        largest = self.friction * ops.maximum(load, 0.0) * self.half_length
+        return -largest * size * 2.0 * self.stiffness * twist / (limit * share)
 
     def rate(self, twist: Scalar, load: Scalar, turning: Scalar, speed: Scalar) -> Scalar:
         """Return the rate of the twist at ω_n [rad/s] and |v_x| [m/s]."""

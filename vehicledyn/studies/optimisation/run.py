@@ -137,13 +137,13 @@ def _limit_words(problem: Problem, found: Optimum) -> Iterator[str]:
     ):
         unit, words = problem.units.get(name, "1"), "at least" if sign > 0.0 else "at most"
         if value < -KEPT * (abs(limit) or 1.0):
-            told = f"missed by {shown(-float(value), unit)}"
+            described = f"missed by {shown(-float(value), unit)}"
         elif weight and found.is_feasible:
             step = f"1 {unit}".removesuffix(" 1")
-            told = f"active; relaxing it by {step} gains {weight:.4g} of the objective"
+            described = f"active; relaxing it by {step} gains {weight:.4g} of the objective"
         else:
-            told = f"kept with {shown(float(value), unit)} to spare"
-        yield f"{name} {words} {shown(limit, unit)}: {told}"
+            described = f"kept with {shown(float(value), unit)} to spare"
+        yield f"{name} {words} {shown(limit, unit)}: {described}"
 
 
 def _rank(problem: Problem, found: Optimum) -> tuple[float, float]:
@@ -293,7 +293,7 @@ def _table(
 ) -> OptimumTable:
     names = problem.figures
     notes = failure_notes(found.failures)
-    notes += doubts(found, was_stopped=found.n_runs >= study.most_runs)
+    notes += convergence_notes(found, was_stopped=found.n_runs >= study.most_runs)
     points, objective, violation = zip(*found.history, strict=True)
     return OptimumTable(
         study.title,
@@ -316,7 +316,7 @@ def _table(
     )
 
 
-def doubts(found: Optimum, *, was_stopped: bool) -> list[str]:
+def convergence_notes(found: Optimum, *, was_stopped: bool) -> list[str]:
     """Return a warning where a search that was not stopped ended at no stationary point."""
     if not found.is_feasible or was_stopped:
         return []

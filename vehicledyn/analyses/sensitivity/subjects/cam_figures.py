@@ -33,7 +33,7 @@ _FEWEST = 3600
 """Angles of a turn, at least, among which an extreme is sought."""
 
 _STEP, _BESIDE = 1e-40, 1e-9
-_CORNER, _FELT = 1e-6, 1e-12
+_CORNER, _NEGLIGIBLE = 1e-6, 1e-12
 """Part of a derivative by which those at both sides of an angle may differ, without a corner, and
 part of a column's largest size by which its measures move it at least for that."""
 
@@ -132,7 +132,9 @@ def _found(
     sizes = np.array([abs(m.value) or 1.0 for m in chosen])[:, None]
     largest = float(np.max(np.abs(rows * sizes), initial=0.0))
     apart = np.abs(rows[:, 1] - rows[:, 2]) * sizes[:, 0]
-    lost = (apart > np.maximum(_CORNER * largest, _FELT * size)) | ~np.isfinite(rows).all(axis=1)
+    lost = (apart > np.maximum(_CORNER * largest, _NEGLIGIBLE * size)) | ~np.isfinite(rows).all(
+        axis=1
+    )
     return value, np.where(lost, np.nan, rows[:, 0]), bool(lost.any())
 
 

@@ -74,7 +74,7 @@ class _Asked:
     """A force or stiffness, with what the tyre feels: load and slips, one row each place."""
 
     quantity: str
-    felt: Floats
+    inputs: Floats
 
 
 def find_tyre_sensitivity(
@@ -110,9 +110,9 @@ def find_tyre_sensitivity(
     law = _Law(tyre, chosen)
     figures, found, places = [], [], []
     for item in asked:
-        for felt in item.felt:
-            figures.append(_quantity(item, felt))
-            places.append(law.place(item.quantity, felt))
+        for inputs in item.inputs:
+            figures.append(_quantity(item, inputs))
+            places.append(law.place(item.quantity, inputs))
             found.append(law.at(item.quantity, places[-1]))
     outside = _outside(tyre.content.ranges, figures, places)
     return SensitivityTable(
@@ -131,23 +131,25 @@ class _Law:
     """Forces and stiffnesses of a tyre, with their derivatives by chosen coefficients."""
 
     def __init__(self, tyre: TyreOfFile, chosen: Sequence[str]) -> None:
-        felt = ops.column([ops.symbol(name) for name in ("load", *_SLIPS)])
+        inputs = ops.column([ops.symbol(name) for name in ("load", *_SLIPS)])
         symbols = ops.column([ops.symbol(name) for name in chosen])
         p = tyre.coefficients()
         self._values = np.array([float(getattr(p, name)) for name in chosen])
         moving = zip(chosen, self._values, strict=True)
         acts = [v != 0.0 or name not in _LEFT_OUT_AT_ZERO for name, v in moving]
         p = p.changed(**{n: symbols[k] for k, n in enumerate(chosen) if acts[k]})
-        forces = tyre.acting_forces(p, TyreInput(felt[0], felt[1], felt[2], felt[3], _SPEED))
+        forces = tyre.acting_forces(
+            p, TyreInput(inputs[0], inputs[1], inputs[2], inputs[3], _SPEED)
+        )
         rows: dict[str, Any] = {name: ops.scalar(getattr(forces, name)) for name in _FORCES}
         for name, (force, slip, _) in _STIFFNESSES.items():
-            rows[name] = ops.derivative(rows[force], felt[1 + list(_SLIPS).index(slip)], 1.0)
+            rows[name] = ops.derivative(rows[force], inputs[1 + list(_SLIPS).index(slip)], 1.0)
         self._names = list(rows)
         column = ops.column(list(rows.values()))
-        self._value = ops.numeric([felt, symbols], column)
-        self._slope = ops.numeric([felt, symbols], ops.jacobian(column, symbols))
+        self._value = ops.numeric([inputs, symbols], column)
+        self._slope = ops.numeric([inputs, symbols], ops.jacobian(column, symbols))
 
-    def place(self, quantity: str, felt: Floats) -> Floats:
+    def place(self, quantity: str, inputs: Floats) -> Floats:
         """Return what the tyre feels where a quantity is taken: of a peak, where that is.
 
         Raises
@@ -156,11 +158,11 @@ class _Law:
             If there is no peak.
         """
         if quantity not in _PEAKS:
-            return felt
+            return inputs
         force, slip, reach = _PEAKS[quantity]
-        return self._peak(force, 1 + list(_SLIPS).index(slip), felt, reach)
+        return self._peak(force, 1 + list(_SLIPS).index(slip), inputs, reach)
 
-    def at(self, quantity: str, felt: Floats) -> tuple[float, Floats]:
+    def at(self, quantity: str, inputs: Floats) -> tuple[float, Floats]:
         """Return a quantity at its place, and its derivatives.
 
         That of a peak is the force's there, where moving it makes no difference.
@@ -171,23 +173,23 @@ class _Law:
             If they are no numbers.
         """
         if quantity in _PEAKS:
-            value, slope = self.at(_PEAKS[quantity][0], felt)
+            value, slope = self.at(_PEAKS[quantity][0], inputs)
             return abs(value), np.sign(value) * slope
         row = self._names.index(quantity)
-        value = float(self._value(felt, self._values)[row, 0])
-        slope = self._slope(felt, self._values)[row]
+        value = float(self._value(inputs, self._values)[row, 0])
+        slope = self._slope(inputs, self._values)[row]
         if not (np.isfinite(value) and np.isfinite(slope).all()):
-            raise InputError(f"{quantity} at {felt[0]:g} N has no finite derivatives there")
+            raise InputError(f"{quantity} at {inputs[0]:g} N has no finite derivatives there")
         return value, slope
 
-    def _peak(self, force: str, column: int, felt: Floats, reach: float) -> Floats:
+    def _peak(self, force: str, column: int, inputs: Floats, reach: float) -> Floats:
         """Return what the tyre feels where the size of a force is largest."""
         from scipy.optimize import minimize_scalar
 
         row = self._names.index(force)
 
         def at(slip: float) -> Floats:
-            moved = felt.copy()
+            moved = inputs.copy()
             moved[column] = slip
             return moved
 
@@ -197,16 +199,16 @@ class _Law:
         places = np.linspace(-reach, reach, _SCANNED)
         k = int(np.argmin([size(float(place)) for place in places]))
         if not 0 < k < _SCANNED - 1:
-            raise InputError(f"the {force.replace('_', ' ')} at {felt[0]:g} N has no peak")
+            raise InputError(f"the {force.replace('_', ' ')} at {inputs[0]:g} N has no peak")
         ends = float(places[k - 1]), float(places[k + 1])
         found = minimize_scalar(size, bounds=ends, method="bounded", options={"xatol": 1e-12})
         return at(float(found.x))
 
 
-def _quantity(asked: _Asked, felt: Floats) -> Quantity:
-    pairs = zip(_SLIPS.items(), felt[1:], strict=True)
+def _quantity(asked: _Asked, inputs: Floats) -> Quantity:
+    pairs = zip(_SLIPS.items(), inputs[1:], strict=True)
     slips = [f"{name} = {shown(float(v), u if u != '1' else '')}" for (name, u), v in pairs if v]
-    name = f"{asked.quantity} at {', '.join([shown(float(felt[0]), 'N'), *slips])}"
+    name = f"{asked.quantity} at {', '.join([shown(float(inputs[0]), 'N'), *slips])}"
     if asked.quantity in _FORCES:
         return Quantity(name, *_FORCES[asked.quantity])
     if asked.quantity in _PEAKS:
@@ -221,16 +223,16 @@ def _outside(
     ranges: Mapping[str, ValidRange], figures: Sequence[Quantity], places: Sequence[Floats]
 ) -> list[str]:
     """Return a warning for each range of a tyre file that is left, with where this is farthest."""
-    felt, notes = np.array(places), []
+    inputs, notes = np.array(places), []
     for column, name in enumerate(("load", *_SLIPS)):
         known = ranges.get(name)
         if known is None:
             continue
-        beyond = np.maximum(known.lowest - felt[:, column], felt[:, column] - known.highest)
+        beyond = np.maximum(known.lowest - inputs[:, column], inputs[:, column] - known.highest)
         count, worst = int(np.sum(beyond > 0.0)), int(np.argmax(beyond))
         if not count:
             continue
-        low, high, value = known.lowest, known.highest, float(felt[worst, column])
+        low, high, value = known.lowest, known.highest, float(inputs[worst, column])
         unit = "" if known.unit == "1" else f" {known.unit}"
         others = f" and {count - 1} more" if count > 1 else ""
         words = name.replace("_", " ")

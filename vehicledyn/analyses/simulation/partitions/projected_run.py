@@ -128,7 +128,7 @@ class ProjectedRun:
                 plan.time(last),
                 sink=take,
                 parts=self._parts,
-                progress=self._tell,
+                progress=self._report,
                 carried=self._carried,
             )
         except DivergenceError:
@@ -139,7 +139,7 @@ class ProjectedRun:
         finally:
             self._is_first = False
 
-    def _tell(self, what: str, part: float | None) -> None:
+    def _report(self, what: str, part: float | None) -> None:
         self.plan.report(what, part, None if self._last is None else self._last.time)
 
     def _look(self, time: float, state: Vector, unknowns: Vector, outputs: Vector) -> None:

@@ -18,7 +18,7 @@ Nodes: TypeAlias = int | Sequence[int]
 
 Motion: TypeAlias = Literal["all", "translations"]
 _STRAIGHT = 1e-6
-"""Smallest breadth of a set of nodes that a rotation of it can be told by, over its length."""
+"""Smallest breadth of a set of nodes that determines its rotation, over its length."""
 
 
 @dataclass(frozen=True, eq=False)

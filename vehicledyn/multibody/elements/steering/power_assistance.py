@@ -93,12 +93,12 @@ class PowerAssistance(BasePart):
         )
 
     def _assisting(self, situation: Situation) -> Scalar:
-        felt = self.torque(situation)
-        size = ops.absolute(felt)
+        bar_torque = self.torque(situation)
+        size = ops.absolute(bar_torque)
         rows = [straight_lines(self.torques, row, size) for row in self._rows()]
         amount = _between(self.speeds, rows, ops.absolute(self.speed(situation)))
         rate = situation.kinematics.rate(self.coordinate)
-        return ops.sign(felt) * amount - self.damping * rate
+        return ops.sign(bar_torque) * amount - self.damping * rate
 
 
 def _between(x: Row, values: Sequence[Scalar], at: Scalar) -> Scalar:

@@ -49,8 +49,8 @@ def _locus(table: ModeTable) -> Figure:
         values = case.eigenvalue
         both = np.concatenate([values, values[values.imag > 0.0].conj()])
         colour = shades[number] if many else PALETTE[number]
-        told = not many or number in (0, len(table.cases) - 1)
-        label = case.label if told and case.label else None
+        is_labelled = not many or number in (0, len(table.cases) - 1)
+        label = case.label if is_labelled and case.label else None
         axes.plot(both.real, both.imag, "x", color=colour, label=label, markersize=5)
     axes.axvline(0.0, color="0.4", linewidth=0.8)
     _widen(axes, np.concatenate([case.eigenvalue for case in table.cases]))

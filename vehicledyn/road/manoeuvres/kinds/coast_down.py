@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 FEWEST_SAMPLES = 3
 
-_FELT = 0.03
+_NEGLIGIBLE = 0.03
 """Least deceleration at the first speed that counts as the air's [m/s²].
 
 What wheels with toe lose by lateral forces is a third of it at most in the cars of the library, the
@@ -77,7 +77,7 @@ class CoastDown(DrivingTest):
             scale = np.abs(columns).max(axis=0)
             return np.linalg.lstsq(columns / scale, lost, rcond=None)[0] / scale
 
-        def felt() -> float:
+        def effect() -> float:
             """Return the first deceleration by forces as v² beside those of the tyres [m/s²]."""
             kept = np.isin(signals.time, rolled.time)
             forces, loads = (
@@ -95,7 +95,7 @@ class CoastDown(DrivingTest):
         words = "Deceleration d_0 + d_2 v²: its constant part, from rolling"
         yield from entry("rolling_deceleration", float(found[0]), "m/s^2", words)
         words = "Deceleration d_0 + d_2 v²: its coefficient d_2, from the air"
-        if _has_drag(vehicle) or felt() > _FELT:
+        if _has_drag(vehicle) or effect() > _NEGLIGIBLE:
             yield from entry("air_deceleration", float(found[1]), "1/m", words)
         yield from entry("rolled_distance", float(grown(speed)[-1]), "m", "Way without drive")
         yield from entry("rolled_time", float(time[-1]), "s", "Time without drive")
