@@ -10,6 +10,7 @@ from typing import Any
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.registry import kinds
 from vehicledyn.base.units import to_si
+from vehicledyn.base.yaml import Document
 from vehicledyn.files.scenario import load_model
 from vehicledyn.files.scenario.settings import override_texts
 from vehicledyn.files.scenario.target import Target
@@ -47,7 +48,7 @@ class ManoeuvreStudy:
     """
 
     path: Path
-    text: str
+    document: Document
     title: str
     target: Target
     speed: float | None
@@ -65,6 +66,11 @@ class ManoeuvreStudy:
     tolerance: float
     most_iterations: int
     step: float | None
+
+    @property
+    def text(self) -> str:
+        """The file as it is written."""
+        return self.document.text
 
     def subjects(self) -> list[Target]:
         """Return its model or scenario."""
@@ -108,7 +114,7 @@ def load_manoeuvre(path: Path, overrides: Sequence[str] = ()) -> ManoeuvreStudy:
     form.refuse()
     return ManoeuvreStudy(
         path,
-        form.document.text,
+        form.document,
         str(data.get("title", path.stem)),
         _target(form, overrides),
         speed,

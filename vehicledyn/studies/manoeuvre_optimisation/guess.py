@@ -11,6 +11,7 @@ from vehicledyn.analyse.optimal_control.trajectory import DEGREE, Trajectory, ra
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.studies.manoeuvre_optimisation.driven_guess import Driver, Vehicle
 from vehicledyn.studies.manoeuvre_optimisation.model import PreparedManoeuvre, duration_bounds
+from vehicledyn.studies.mistakes import Mistakes
 
 Floats = NDArray[np.float64]
 
@@ -41,7 +42,10 @@ def first_guess(manoeuvre: PreparedManoeuvre) -> tuple[Trajectory, str]:
     if along is not None and problem.path is not None:
         distance = along[0] + (along[1] - along[0]) * parts
         _follow(manoeuvre, states, distance, (along[1] - along[0]) / duration)
-        _check_start(problem, states[0], distance[0])
+        mistakes = Mistakes(study.document)
+        with mistakes.at("start"):
+            _check_start(problem, states[0], distance[0])
+        mistakes.refuse()
     n_u = len(problem.controls)
     low, high = (np.array([getattr(c, k) for c in problem.controls]) for k in ("low", "high"))
     values = np.tile(np.clip(0.0, low, high), (n + 1, 1))
@@ -170,11 +174,11 @@ def _check_start(problem: ControlProblem, state: Floats, distance: float) -> Non
     slack = 1e-9
     if near is None and abs(gap) > 1e-6:
         raise InputError(
-            f"start: the motion starts {gap:+.3g} m along the path from start.path.distance = "
+            f"the motion starts {gap:+.3g} m along the path from start.path.distance = "
             f"{distance:g} m; leave that out, or start at its place"
         )
     if not -right - slack <= offset <= left + slack:
         raise InputError(
-            f"start: is outside the corridor, {offset:.4g} m to the left of the path where "
+            f"is outside the corridor, {offset:.4g} m to the left of the path where "
             f"{-right:.4g} m to {left:.4g} m are allowed"
         )

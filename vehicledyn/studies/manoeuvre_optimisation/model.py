@@ -12,6 +12,7 @@ from vehicledyn.analyse.optimal_control.problem import (
     BEND,
     POINTS,
     RAMP,
+    BoundedExpression,
     Control,
     ControlProblem,
     Corridor,
@@ -23,25 +24,28 @@ from vehicledyn.analyses.preparation.prepare import AssembledPoint, prepare, sta
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress
 from vehicledyn.analyses.preparation.runnable import Subject
 from vehicledyn.base.argument_names import PythonNaming, arguments_named
-from vehicledyn.base.errors import InputError, errors_of
+from vehicledyn.base.errors import InputError, errors_of, unknown_name
 from vehicledyn.base.units import to_si
 from vehicledyn.studies.manoeuvre_optimisation.file import ControlText, ManoeuvreStudy
 from vehicledyn.studies.manoeuvre_optimisation.names import Names, bounds_of
+from vehicledyn.studies.manoeuvre_optimisation.path_file import BEYOND, PathTable
+from vehicledyn.studies.mistakes import Mistakes
 from vehicledyn.symbolic import ops
 
 Floats = NDArray[np.float64]
 _FREE = (-np.inf, np.inf)
 
+_LITTLE = 0.01
+"""Part of an open path by which a motion may end behind it, as lengths are rounded."""
+
 
 @dataclass(frozen=True)
-class _InStudy(PythonNaming):
-    """Names an input as the study has it."""
-
-    control: str
+class _AsWritten(PythonNaming):
+    """Names an input as the study does."""
 
     def given(self, name: str, value: Any) -> str:
-        """Return the key of the input with its value."""
-        return f"controls.{self.control}.input: {value}"
+        """Return the input."""
+        return str(value)
 
 
 @dataclass(frozen=True)
@@ -71,11 +75,13 @@ def prepare_manoeuvre(study: ManoeuvreStudy, progress: Progress) -> PreparedMano
     taken: list[Excited] = []
 
     def excite(subject: Subject) -> Subject:
-        excited = Excited(subject)
+        excited, mistakes = Excited(subject), Mistakes(study.document)
         for control in study.controls:
-            with arguments_named(_InStudy(control.name)):
-                for name in control.inputs:
+            for name in control.inputs:
+                place = "controls", control.name, "input"
+                with mistakes.at(*place), arguments_named(_AsWritten()):
                     excited.add(name)
+        mistakes.refuse()
         taken.append(excited)
         return excited.subject
 
@@ -93,31 +99,35 @@ def prepare_manoeuvre(study: ManoeuvreStudy, progress: Progress) -> PreparedMano
 def _problem(
     study: ManoeuvreStudy, prepared: Prepared, point: AssembledPoint, inputs: list[ModelInput]
 ) -> ControlProblem:
-    e = prepared.equations
-    waiting = list(inputs)
-    controls = []
+    e, mistakes = prepared.equations, Mistakes(study.document)
+    waiting, controls = list(inputs), list[Control]()
     for text in study.controls:
         own = [waiting.pop(0) for _ in text.inputs]
-        controls.append(_control(text, own, prepared, study))
+        with mistakes.at("controls", text.name):
+            controls.append(_control(text, own, prepared, study))
+    mistakes.refuse()
     names = Names(e, tuple(controls), study.track is not None)
-    for group, given in (("start", study.start), ("end", study.end), ("limits", study.limits)):
-        for name in given:
-            what, _ = names.find(name)
-            if group == "start" and what.kind not in ("state", "control", "path"):
-                raise InputError(f"start.{name}: only states, controls and the path start so")
-    growth = _growth(study, names)
-    start, end, bounds = _state_bounds(study, names, point, growth)
+    growth = _growth(study, names, mistakes)
+    start, end, bounds = _state_bounds(study, names, point, growth, mistakes)
+    limits, final = _ranges(study, names, mistakes)
     powers = [p for t, c in zip(study.controls, range(len(controls)), strict=True)
               for p in _powers(t, c, names)]  # fmt: skip
-    terms = [t for n, weight in study.terms.items() for t in names.term(n, weight, powers)]
-    limits = [names.bounded(n, v) for n, v in study.limits.items()]
-    final = [names.bounded(n, v) for n, v in study.end.items()]
-    _refuse_offset_start(study)
+    terms = list[Any]()
+    for name, weight in study.terms.items():
+        with mistakes.at("minimise", name):
+            terms += names.term(name, weight, powers)
+    duration, path_start = (0.0, 0.0), _FREE
+    with mistakes.at("duration"):
+        duration = duration_bounds(study)[:2]
+    path = _path(study, names, prepared, mistakes)
+    with mistakes.at("start", "path.distance"):
+        path_start = bounds_of(study.start.get("path.distance", "free"), "m")
+    mistakes.refuse()
     return ControlProblem(
         e,
         _without(prepared, inputs),
         tuple(controls),
-        duration_bounds(study)[:2],
+        duration,
         start,
         end,
         bounds,
@@ -125,9 +135,43 @@ def _problem(
         tuple(item for item in final if item.what.kind not in ("state", "control")),
         tuple(terms),
         growth,
-        _path(study, names, prepared),
-        bounds_of("path.distance", study.start.get("path.distance", "free"), "m"),
+        path,
+        path_start,
     )
+
+
+def _ranges(
+    study: ManoeuvreStudy, names: Names, mistakes: Mistakes
+) -> tuple[list[BoundedExpression], list[BoundedExpression]]:
+    """Return what is bounded everywhere, and at the end."""
+    limits, final = list[BoundedExpression](), list[BoundedExpression]()
+    groups = ("limits", study.limits, limits), ("end", study.end, final)
+    for group, given, found in groups:
+        for name, value in given.items():
+            with mistakes.at(group, name):
+                found.append(names.bounded(name, value))
+    for name in study.start:
+        with mistakes.at("start", name):
+            if names.find(name)[0].kind not in ("state", "control", "path"):
+                raise InputError("only states, controls and the path start so")
+            if name == "path.offset":
+                raise InputError("give the states that follow the path instead")
+    if study.track is not None:
+        for item in final:
+            if item.what.kind == "path" and item.what.index == 0:
+                with mistakes.at("end", item.what.name):
+                    _refuse_end_beyond(study.track, item.low)
+    return limits, final
+
+
+def _refuse_end_beyond(track: PathTable, distance: float) -> None:
+    """Refuse an end where the path is not known."""
+    most = track.length * (1.0 + (BEYOND if track.closed else _LITTLE))
+    if distance > most:
+        longest = "a lap and a fifth" if track.closed else "up to its end"
+        raise InputError(
+            f"{distance:g} m is too far on a path of {track.length:.7g} m: drive {longest}"
+        )
 
 
 def _without(prepared: Prepared, inputs: list[ModelInput]) -> Floats:
@@ -149,14 +193,11 @@ def duration_bounds(study: ManoeuvreStudy) -> tuple[float, float, float]:
         If they are no times above zero.
     """
     given = study.duration
-    with errors_of(study.path):
-        low, high = bounds_of("duration", _only_bounds(given), "s")
-        guess = given.get("guess") if isinstance(given, dict) else None
-        begin = to_si(guess, "s") if guess is not None else 0.5 * (low + min(high, 1e6))
-        if not 0.0 < low <= begin <= high:
-            raise InputError(
-                f"duration: needs 0 < from <= guess <= to, not {low:g} s to {high:g} s"
-            )
+    low, high = bounds_of(_only_bounds(given), "s")
+    guess = given.get("guess") if isinstance(given, dict) else None
+    begin = to_si(guess, "s") if guess is not None else 0.5 * (low + min(high, 1e6))
+    if not 0.0 < low <= begin <= high:
+        raise InputError(f"needs 0 < from <= guess <= to, not {low:g} s to {high:g} s")
     return low, high, begin
 
 
@@ -172,46 +213,46 @@ def _control(
     index = {p.name: k for k, p in enumerate(e.parameters)}
     units = {item.unit for item in inputs}
     if len(units) != 1:
-        raise InputError(f"controls.{text.name}: its inputs have different units: {sorted(units)}")
+        raise InputError(f"its inputs have different units: {sorted(units)}")
     moves = False
     for item, factor in zip(inputs, text.inputs.values(), strict=True):
         for part in item.parts:
             if part.wheel:
-                raise InputError(f"controls.{text.name}: a road is no control")
+                raise InputError("a road is no control")
             gain = factor * _number(prepared, part.gain)
             moves = moves or len(part.parameters) > 1
             for order, name in enumerate(part.parameters):
                 entries.append((index[name], order, gain))
     (unit,) = units
     bounds = {"from": text.low, "to": text.high}
-    low, high = bounds_of(f"controls.{text.name}", bounds, unit)
+    low, high = bounds_of(bounds, unit)
     if not np.isfinite([low, high]).all():
-        raise InputError(f"controls.{text.name}: needs finite bounds")
-    rate = _most(text.name, "rate", text.rate, f"{unit}/s")
-    bend = _most(text.name, "acceleration", text.acceleration, f"{unit}/s^2")
+        raise InputError("needs finite bounds")
+    rate = _most("rate", text.rate, f"{unit}/s")
+    bend = _most("acceleration", text.acceleration, f"{unit}/s^2")
     if not moves and np.isfinite(bend):
-        raise InputError(f"controls.{text.name}: only controls that move a coordinate have one")
+        raise InputError("acceleration: only controls that move a coordinate have one")
     edges = []
     for group in (study.start, study.end):
         usual: Any = 0.0 if moves and group is study.start and not study.periodic else "free"
-        edges.append(bounds_of(text.name, group.get(text.name, usual), unit))
+        edges.append(bounds_of(group.get(text.name, usual), unit))
         if max(low, edges[-1][0]) > min(high, edges[-1][1]):
-            raise InputError(f"{text.name}: its start or end is outside the bounds of the control")
+            raise InputError("its start or end is outside its bounds")
     order = BEND if moves else RAMP if np.isfinite(rate) else POINTS
     if order == POINTS and text.name in {**study.start, **study.end}:
-        raise InputError(f"{text.name}: only controls with a rate have a value at start and end")
+        raise InputError("only controls with a rate have a value at start and end")
     return Control(text.name, unit, order, tuple(entries), low, high, rate, bend, *edges)
 
 
-def _most(name: str, key: str, given: Any, unit: str) -> float:
+def _most(key: str, given: Any, unit: str) -> float:
     if given is None:
         return float("inf")
     try:
         value = to_si(given, unit)
     except InputError as error:
-        raise InputError(f"controls.{name}.{key}: {error}") from None
+        raise InputError(f"{key}: {error}") from None
     if value <= 0.0:
-        raise InputError(f"controls.{name}.{key}: must be above zero")
+        raise InputError(f"{key}: must be above zero")
     return value
 
 
@@ -232,52 +273,62 @@ def _powers(text: ControlText, control: int, names: Names) -> list[tuple[Any, ..
     return found
 
 
-def _growth(study: ManoeuvreStudy, names: Names) -> dict[int, float]:
+def _growth(study: ManoeuvreStudy, names: Names, mistakes: Mistakes) -> dict[int, float]:
     growth = {}
     for pattern, given in study.periodic.items():
-        for index in names.matching(pattern):
-            unit = names.equations.states[index].unit
-            growth[index] = bounds_of(f"periodic.{pattern}", given, unit)[0]
+        with mistakes.at("periodic", pattern):
+            for index in names.matching(pattern):
+                unit = names.equations.states[index].unit
+                growth[index] = bounds_of(given, unit)[0]
     return growth
 
 
 def _state_bounds(
-    study: ManoeuvreStudy, names: Names, point: AssembledPoint, growth: dict[int, float]
+    study: ManoeuvreStudy,
+    names: Names,
+    point: AssembledPoint,
+    growth: dict[int, float],
+    mistakes: Mistakes,
 ) -> tuple[Floats, Floats, Floats]:
     """Return the bounds of the states at the start, the end and between, each (n_x, 2)."""
     n = len(names.equations.states)
     start = np.column_stack([point.state, point.state])
     start[list(growth)] = _FREE
     end, bounds = np.tile(_FREE, (n, 1)), np.tile(_FREE, (n, 1))
-    for table, group in ((start, study.start), (end, study.end), (bounds, study.limits)):
-        for name, given in group.items():
+    groups = (
+        ("start", start, study.start),
+        ("end", end, study.end),
+        ("limits", bounds, study.limits),
+    )
+    for group, table, values in groups:
+        for name, given in values.items():
             if name in names.states:
                 index = names.states[name]
-                table[index] = bounds_of(name, given, names.equations.states[index].unit)
+                with mistakes.at(group, name):
+                    table[index] = bounds_of(given, names.equations.states[index].unit)
     for table, what in ((start, "start"), (end, "end")):
         low, high = np.maximum(table[:, 0], bounds[:, 0]), np.minimum(table[:, 1], bounds[:, 1])
         for outside in np.flatnonzero(low > high):
             name = names.equations.states[int(outside)].name
-            raise InputError(f"{what}.{name}: is outside its limits")
+            mistakes.wrong((what, name), "is outside its limits")
     return start, end, bounds
 
 
-def _refuse_offset_start(study: ManoeuvreStudy) -> None:
-    given = study.start.get("path.offset")
-    if given is not None:
-        raise InputError("start.path.offset: give the states that follow the path instead")
-
-
-def _path(study: ManoeuvreStudy, names: Names, prepared: Prepared) -> Corridor | None:
+def _path(
+    study: ManoeuvreStudy, names: Names, prepared: Prepared, mistakes: Mistakes
+) -> Corridor | None:
     table = study.track
     if table is None:
         return None
     body = prepared.subject.ports.body
     place = table.place or ((f"{body}.x", f"{body}.y") if body else ())
     if not place:
-        raise InputError("path.place: name the two states that follow the path")
+        mistakes.wrong(("path", "place"), "name the two states that follow the path")
+        return None
     for name in place:
         if name not in names.states:
-            raise InputError(f"path.place: '{name}' is no state; known: {', '.join(names.states)}")
+            mistakes.wrong(("path", "place"), unknown_name("state", name, names.states))
+    if not set(place) <= set(names.states):
+        return None
     x, y = (names.states[name] for name in place)
     return Corridor(table.distance, table.x, table.y, table.right, table.left, (x, y))

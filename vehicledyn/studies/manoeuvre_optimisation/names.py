@@ -59,10 +59,9 @@ class Names:
             for k, item in enumerate(items):
                 if item.name == name:
                     return Expression(name, kind, k), item.unit
-        known = [item.name for items in groups.values() for item in items]
-        raise InputError(
-            unknown_name("state, channel or control", name, known + list(PATH) * self.has_path)
-        )
+        known = dict.fromkeys(item.name for items in groups.values() for item in items)
+        paths = list(PATH) * self.has_path
+        raise InputError(unknown_name("state, channel or control", name, [*known, *paths]))
 
     def bounded(self, name: str, given: Any) -> BoundedExpression:
         """Return a quantity with the bounds that a study gives it.
@@ -73,10 +72,10 @@ class Names:
             If there is no such quantity, or the bounds are none.
         """
         what, unit = self.find(name)
-        low, high = bounds_of(name, given, unit)
+        low, high = bounds_of(given, unit)
         if what.kind == "square":
             if np.isfinite(low) or high < 0.0:
-                raise InputError(f"{name}: has an upper bound 'to' only, not below zero")
+                raise InputError("has an upper bound 'to' only, not below zero")
             return BoundedExpression(what, -_INF, high**2)
         return BoundedExpression(what, low, high)
 
@@ -90,14 +89,14 @@ class Names:
         if name == "energy":
             if not powers:
                 raise InputError(
-                    "minimise: energy is that of controls that are forces on free coordinates, "
+                    "energy is that of controls that are forces on free coordinates, "
                     "'force:COORDINATE'; this study has none"
                 )
             return [(weight, power) for power in powers]
         match = _CALL.match(name)
         if match is None:
             raise InputError(
-                f"minimise: '{name}' is unknown; write time, effort, smoothness, energy, "
+                f"'{name}' is unknown; write time, effort, smoothness, energy, "
                 "integral(NAME), integral_of_square(NAME) or final(NAME)"
             )
         word = "square" if match[1] == "integral_of_square" else match[1]
@@ -113,11 +112,11 @@ class Names:
         """
         found = [k for n, k in self.states.items() if fnmatch.fnmatchcase(n, pattern)]
         if not found:
-            raise InputError(f"periodic: {unknown_name('state', pattern, self.states)}")
+            raise InputError(unknown_name("state", pattern, self.states))
         return found
 
 
-def bounds_of(name: str, given: Any, unit: str) -> tuple[float, float]:
+def bounds_of(given: Any, unit: str) -> tuple[float, float]:
     """Return the bounds that a value, "free" or a mapping with from and to gives, in SI.
 
     Raises
@@ -125,16 +124,13 @@ def bounds_of(name: str, given: Any, unit: str) -> tuple[float, float]:
     InputError
         If it is none of these, or the bounds are crossed.
     """
-    try:
-        if given == "free":
-            return -_INF, _INF
-        if not isinstance(given, dict):
-            value = to_si(given, unit)
-            return value, value
-        low = to_si(given["from"], unit) if "from" in given else -_INF
-        high = to_si(given["to"], unit) if "to" in given else _INF
-    except InputError as error:
-        raise InputError(f"{name}: {error}") from None
+    if given == "free":
+        return -_INF, _INF
+    if not isinstance(given, dict):
+        value = to_si(given, unit)
+        return value, value
+    low = to_si(given["from"], unit) if "from" in given else -_INF
+    high = to_si(given["to"], unit) if "to" in given else _INF
     if low > high:
-        raise InputError(f"{name}: the bounds are crossed, from {low:g} to {high:g} {unit}")
+        raise InputError(f"the bounds are crossed, from {low:g} to {high:g} {unit}")
     return low, high

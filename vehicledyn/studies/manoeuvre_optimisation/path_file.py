@@ -37,7 +37,7 @@ _TRUE = 1e-5
 _APART = 1.0
 """Distance of places taken from a long OpenCRG road [m]."""
 
-_BEYOND = 0.2
+BEYOND = 0.2
 """Part of an open path that it is continued by at both ends, where a search may look."""
 
 _LONGEST = 1e7
@@ -182,7 +182,7 @@ def _direction(slopes: Floats) -> Floats:
 
 
 def _distances(length: float, count: int = _ROWS) -> Floats:
-    return np.linspace(-_BEYOND * length, (1.0 + _BEYOND) * length, count)
+    return np.linspace(-BEYOND * length, (1.0 + BEYOND) * length, count)
 
 
 def _require(form: StudyForm, kind: str, given: Any, keys: tuple[str, ...]) -> None:
