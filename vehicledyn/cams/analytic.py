@@ -7,9 +7,13 @@ from __future__ import annotations
 
 import cmath
 import math
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
+
+from vehicledyn.base.parameters import ParameterSet
+
+Parts = TypeVar("Parts", bound=ParameterSet)
 
 
 def square_root(x: Any) -> Any:
@@ -51,3 +55,19 @@ def direction(y: Any, x: Any) -> Any:
         turned = np.real(x) * np.imag(y) - np.real(y) * np.imag(x)
         return angle + 1j * turned / (np.real(x) ** 2 + np.real(y) ** 2)
     return angle
+
+
+def is_stepped(part: ParameterSet) -> bool:
+    """Return whether a number of a part is a step in the complex plane."""
+    return any(np.iscomplexobj(getattr(part, name)) for name in type(part).model_fields)
+
+
+def real_part(part: Parts) -> Parts:
+    """Return a part with real numbers in place of complex ones."""
+    stepped: dict[str, Any] = {}
+    for name in type(part).model_fields:
+        value = getattr(part, name)
+        if np.iscomplexobj(value):
+            numbers = np.asarray(np.real(value))
+            stepped[name] = tuple(numbers.tolist()) if numbers.ndim else float(numbers)
+    return part.model_copy(update=stepped)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,9 @@ from vehicledyn.cams.outline import CamOutline
 from vehicledyn.cams.pieces import PieceCurve
 
 Array = NDArray[np.float64]
+_BESIDE, _LEVEL = 1e-7, 1e-5
+"""Angle beside a least value [rad], and the change of slope there, over it, of a corner [1]."""
+
 _ZOOMS = 6
 """Times that a least value is sought, each 16 times as finely: to 1e-8 rad."""
 
@@ -93,7 +96,7 @@ class Cam(ParameterSet):
         """Coordinate of the follower without lift [m or rad]."""
         if self.base_radius is not None:
             return self.touch.start(self.base_radius)
-        return self._lowest()
+        return self.lowest()[0]
 
     def moving(self, theta: Array) -> FollowerMotion:
         """Return the motion of the follower at angles of the cam [rad]."""
@@ -111,15 +114,34 @@ class Cam(ParameterSet):
         """Return equally distant angles of a turn, its end included [rad]."""
         return np.linspace(0.0, TURN, count + 1)
 
-    def _lowest(self) -> float:
-        """Return the least coordinate on an outline, sought more finely about the least sample."""
+    def lowest(self) -> tuple[float, float]:
+        """Return the least coordinate on an outline and its angle [rad].
+
+        It is sought more finely about the least sample.
+        """
         theta = self.samples(1440)
         for _ in range(_ZOOMS):
             values = self.shape.motion(self.touch, theta).coordinate
             k = int(np.argmin(values))
-            near = float(theta[1] - theta[0])
-            theta = theta[k] + near * np.linspace(-1.0, 1.0, 33)
-        return float(values.min())
+            near, at = float(theta[1] - theta[0]), float(theta[k])
+            theta = at + near * np.linspace(-1.0, 1.0, 33)
+        return float(values.min()), at
+
+    def with_lowest_at(self, theta: float) -> Self:
+        """Return the cam whose least coordinate is known to be near an angle [rad].
+
+        Its numbers may step into the complex plane. At a corner, as where a face lies on a straight
+        flank, the least coordinate is where both sides meet.
+        """
+        near = self.shape.motion(self.touch, theta + _BESIDE * np.array([-1.0, 1.0]))
+        (before, after), (falls, rises) = near.coordinate, near.slope
+        least = 0.5 * (before + after)
+        if abs(rises - falls) > _LEVEL * abs(least):
+            way = (before - after + 2.0 * _BESIDE * rises) / (rises - falls)
+            least = before + falls * way
+        found = self.model_copy()
+        found.__dict__["start"] = least
+        return found
 
 
 def assert_kind(item: Any, kind: type) -> None:

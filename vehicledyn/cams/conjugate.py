@@ -37,4 +37,4 @@ class Conjugate(ParameterSet):
     @property
     def apart(self) -> float:
         """Sum of the two coordinates [m or rad]."""
-        return float(self.distance if self.distance is not None else self.angle or 0.0)
+        return self.distance if self.distance is not None else self.angle or 0.0

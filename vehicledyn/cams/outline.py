@@ -102,16 +102,19 @@ class CamOutline(ParameterSet):
         return FollowerMotion(theta, found.coordinate, slope, -bend / lever)
 
     def _of_line(self, follower: LineFollower, theta: Array) -> FollowerMotion:
-        lowest = float(self.support(np.linspace(0.0, 2.0 * np.pi, 720)).distance.min())
-        coordinate = np.full_like(theta, follower.start(lowest))
+        distances = self.support(np.linspace(0.0, 2.0 * np.pi, 720)).distance
+        coordinate = np.full(theta.shape, follower.start(distances[np.argmin(distances.real)]))
+        is_settled = False
         for _ in range(_STEPS):
             line = follower.line(coordinate)
             touching = self.support(line.angle - theta)
             lever = line.first - touching.aside * line.turning
             step = (touching.distance - line.distance) / lever
             coordinate = coordinate + step
-            if np.abs(step).max() < _FINE:
+            # A step into the complex plane follows one step behind.
+            if is_settled or (np.abs(step).max() < _FINE and not np.iscomplexobj(step)):
                 break
+            is_settled = bool(np.abs(step).max() < _FINE)
         line = follower.line(coordinate)
         touching = self.support(line.angle - theta)
         lever = line.first - touching.aside * line.turning

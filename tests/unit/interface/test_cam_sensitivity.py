@@ -1,5 +1,8 @@
 """Derivatives of cams by measures of cam, follower, motion and load."""
 
+import json
+import math
+from copy import deepcopy
 from itertools import pairwise
 
 import numpy as np
@@ -8,6 +11,7 @@ import pytest
 import vehicledyn as vd
 from vehicledyn.analyses.sensitivity.report import SensitivityReport
 from vehicledyn.base.errors import AccuracyWarning, InputError
+from vehicledyn.cams.cam_file import read_cam
 from vehicledyn.results.tables.sensitivity_table import read_sensitivity
 
 HEAD = """\
@@ -145,12 +149,121 @@ def test_names_are_checked(tmp_path, of, to, match):
         vd.sensitivity(path, of, to)
 
 
-def test_outlines_are_refused(tmp_path):
+ROLLER = {"kind": "roller", "radius": 0.009, "offset": 0.006}
+ROCKER = {"kind": "rocker_roller", "radius": 0.009, "pivot": 0.08, "arm": 0.07, "side": "below"}
+FACE = {"kind": "rocker_flat", "pivot": 0.08, "offset": 0.004}
+CIRCLE = {"kind": "eccentric_circle", "radius": 0.04, "eccentricity": 0.01, "direction": 0.3}
+ARCS = {
+    "kind": "arcs",
+    "start": [0.001, -0.05],
+    "normal": -0.5 * np.pi,
+    "arcs": [
+        item
+        for radius in (0.035, 0.025)
+        for item in ({"radius": radius, "turn": np.pi}, {"length": 0.02})
+    ],
+}
+FLANKS = {**ARCS, "arcs": [{"radius": 0.03, "turn": np.pi}, {"length": 0.03}] * 2}
+PAIR = {
+    "motion": [
+        {"kind": "cycloidal", "over": 2.0, "lift": 0.02},
+        {"kind": "dwell", "over": 1.0},
+        {"kind": "cycloidal", "over": 2.0, "lift": -0.02},
+        {"kind": "dwell", "over": 2.0 * np.pi - 5.0},
+    ],
+    "base_radius": 0.04,
+    "conjugate": {"follower": {"kind": "roller", "radius": 0.012}, "distance": 0.13},
+}
+LOAD = {"speed": 150.0, "mass": 0.2, "stiffness": 4e4, "preload": 250.0, "inertia": 1e-3}
+LOAD |= {"turning_stiffness": 30.0, "preload_torque": 5.0}
+OUTLINES = {
+    "circle, roller": {"outline": CIRCLE, "follower": ROLLER},
+    "circle, rocker": {"outline": CIRCLE, "follower": ROCKER},
+    "circle, face": {"outline": CIRCLE, "follower": {"kind": "flat", "tilt": 0.05}},
+    "circle, rocking face": {"outline": CIRCLE, "follower": FACE},
+    "flanks, rocker": {"outline": FLANKS, "follower": ROCKER},
+    "flanks, face": {"outline": FLANKS, "follower": {"kind": "flat", "tilt": 0.05}},
+    "points, roller": {"outline": "points", "follower": ROLLER},
+    "points, rocking face": {"outline": "points", "follower": FACE},
+    "pair": {**PAIR, "follower": ROLLER},
+}
+
+
+def _outlined(name, folder):
+    """Return the data of a cam, measured points written beside it."""
+    data = deepcopy({"title": name, "load": LOAD, **OUTLINES[name]})
+    if data.get("outline") == "points":
+        angles = np.linspace(0.0, 2.0 * np.pi, 60, endpoint=False)
+        rows = [f"{a!r},{0.04 + 0.006 * math.cos(a - 1.0)!r}" for a in angles.tolist()]
+        (folder / "points.csv").write_text("\n".join(["a [rad],r [m]", *rows]), encoding="utf-8")
+        data["outline"] = {"kind": "points", "file": str(folder / "points.csv")}
+    return data
+
+
+def _set(data, name, change):
+    """Change a number of the data of a cam; a law that goes down makes up for one that goes up."""
+    *parts, last = name.split(".")
+    part = data
+    for key in parts:
+        part = part[int(key) - 1] if isinstance(part, list) else part[key]
+    key = "xyz".index(last) if isinstance(part, list) else last
+    part[key] = part.get(key, 0.0) + change if isinstance(part, dict) else part[key] + change
+    if parts[:1] == ["motion"]:
+        other = data["motion"][-1 if last == "over" else 2]
+        other[last] -= change
+
+
+POINTS = {n: COLUMNS[2:4] for n in OUTLINES if n.startswith("points")}
+"""Of points the lowest place is sought at length; these columns do without."""
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=[pytest.mark.long] if n in POINTS else []) for n in OUTLINES]
+)
+def test_outlines_and_pairs_follow_their_measures(tmp_path, name):
+    """All change at once by random parts, written into the cam that is then sought anew."""
+    path, angle = tmp_path / "cam.yaml", 0.9
+    path.write_text(json.dumps(_outlined(name, tmp_path)), encoding="utf-8")
+    columns = ["lift", "pressure_angle", "profile_x", "torque"]
+    columns += ["second_profile_y", "second_normal_force"] if name == "pair" else []
+    columns += [] if "flanks" in name else ["profile_radius", "acceleration"]
+    columns = list(POINTS.get(name, columns))
+    table = vd.sensitivity(path, [f"cam({c}, {angle!r} rad)" for c in columns]).report.table
+    values, slopes = np.array(table.parameter_values), np.array(table.slopes)
+    parts = np.where(values, values, 1e-3)
+    parts = parts * np.random.default_rng(6).uniform(-1.0, 1.0, len(values))
+
+    def found(h):
+        data = _outlined(name, tmp_path)
+        for quantity, part in zip(table.parameters, parts, strict=True):
+            _set(data, quantity.name, h * float(part))
+        if name in POINTS:
+            path.write_text(json.dumps(data), encoding="utf-8")
+            geometry = read_cam(path).geometry(np.array([angle]))
+            return np.array([geometry.pressure_angle[0], geometry.profile[0, 0]])
+        cam = vd.cam(data, angles=[f"{angle!r} rad"])
+        return np.array([float(cam[column].values[0]) for column in columns])
+
+    wide = [(found(h) - found(-h)) / (2.0 * h) for h in (4e-3, 2e-3, 1e-3)]
+    first = [(4.0 * b - a) / 3.0 for a, b in pairwise(wide)]
+    expected = (16.0 * first[1] - first[0]) / 15.0
+    size = np.abs(slopes * parts).sum(axis=1)
+    assert found(0.0) == pytest.approx(table.values, rel=1e-12)
+    assert np.abs(slopes @ parts - expected) == pytest.approx(0.0, abs=1e-8 * size.max())
+    apart = np.abs(slopes @ parts - expected)[size > 0.0] / size[size > 0.0]
+    assert apart == pytest.approx(0.0, abs=2e-8)
+
+
+def test_an_eccentric_circle_lifts_a_face_by_its_eccentricity(tmp_path):
+    """s = e (1 - cos θ) from where it is lowest, and so its largest lift by e is 2."""
     path = tmp_path / "cam.yaml"
-    text = "title: A disc\noutline: {kind: eccentric_circle, radius: 40 mm, eccentricity: 10 mm}\n"
-    path.write_text(text + "follower: {kind: flat}\n", encoding="utf-8")
-    with pytest.raises(InputError, match="sought point by point"):
-        vd.sensitivity(path, "cam(lift, 3 deg)")
+    data = {"title": "A disc", "outline": {**CIRCLE, "direction": -0.5 * np.pi}}
+    path.write_text(json.dumps({**data, "follower": {"kind": "flat"}}), encoding="utf-8")
+    found = vd.sensitivity(path, ["cam(lift, 40 deg)", "cam(max(lift))"])
+    slopes = dict(zip(found["parameter"].values, found["figure_slope"].values.T, strict=True))
+    turned = 1.0 - np.cos(np.radians(40.0))
+    assert slopes["outline.eccentricity"] == pytest.approx([turned, 2.0], rel=1e-9)
+    assert slopes["outline.radius"] == pytest.approx([0.0, 0.0], abs=1e-9)
 
 
 def test_a_dwell_at_the_end_of_a_law_has_no_corner(tmp_path):

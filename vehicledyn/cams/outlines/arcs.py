@@ -11,7 +11,9 @@ from pydantic import Field, model_validator
 
 from vehicledyn.base.parameters import ParameterSet, quantity
 from vehicledyn.base.registry import register
+from vehicledyn.cams.analytic import cosine, is_stepped, length, real_part, sine
 from vehicledyn.cams.follower import PointFollower
+from vehicledyn.cams.geometry import turned
 from vehicledyn.cams.outline import Array, CamOutline, Reach, Support
 from vehicledyn.cams.turns import wrapped
 from vehicledyn.symbolic import ops
@@ -46,12 +48,12 @@ class Edge:
 
     def normal(self, angle: float) -> Array:
         """Return a unit vector."""
-        return np.array([math.cos(angle), math.sin(angle)])
+        return np.array([cosine(angle), sine(angle)])
 
     def end(self, at: float, offset: float) -> Array:
         """Return its start (0) or end (1), moved out by an offset [m]."""
         if self.is_line:
-            along = np.array([-math.sin(self.first), math.cos(self.first)])
+            along = np.array([-sine(self.first), cosine(self.first)])
             start = np.array(self.centre) + at * self.length * along
             return start + offset * self.normal(self.first)
         angle = self.first if at == 0.0 else self.last
@@ -68,18 +70,28 @@ class Edges(CamOutline):
     def support(self, angle: Array) -> Support:
         """Return the touching lines: those of the arc that reaches furthest."""
         c, s = np.cos(angle), np.sin(angle)
-        arcs = [e for e in self.chain() if not e.is_line and e.radius >= 0.0]
+        arcs = [e for e in self.chain() if not e.is_line and e.radius.real >= 0.0]
         reach = np.array([e.centre[0] * c + e.centre[1] * s + e.radius for e in arcs])
-        inside = np.array([np.mod(angle - e.first, _TURN) <= e.last - e.first + 1e-9 for e in arcs])
-        best = np.argmax(np.where(inside, reach, reach.min() - 1.0), axis=0)
+        size, ends = reach.real, [(e.first.real, e.last.real) for e in arcs]
+        inside = np.array([np.mod(angle.real - a, _TURN) <= b - a + 1e-9 for a, b in ends])
+        best = np.argmax(np.where(inside, size, size.min() - 1.0), axis=0)
         x, y, r = (np.array([v(e) for e in arcs])[best] for v in (_x, _y, _r))
         return Support(reach[best, np.arange(angle.size)], y * c - x * s, r)
 
     def reach(self, follower: PointFollower, theta: Array) -> Reach:
         """Return the outermost place where the centre's path meets arcs and lines moved out."""
+        if not (is_stepped(self) or is_stepped(follower)):
+            return self._outermost(follower, theta)[0]
+        best, known = real_part(self)._outermost(real_part(follower), theta)[::-1]
+        return self._stepped(follower, theta, known.coordinate, best)
+
+    def _outermost(self, follower: PointFollower, theta: Array) -> tuple[Reach, Array]:
+        """Return that place, and the number of its arc or line."""
         found: list[tuple[Array, Array, Array]] = []
-        for edge in self.chain():
+        numbers = []
+        for number, edge in enumerate(self.chain()):
             for coordinate in self._meetings(edge, follower, theta):
+                numbers.append(number)
                 normal, curvature, inside = self._at(edge, follower, theta, coordinate)
                 found.append((np.where(inside, coordinate, -np.inf), normal, curvature))
         coordinates = np.array([item[0] for item in found])
@@ -94,7 +106,26 @@ class Edges(CamOutline):
             )
         normals = np.array([item[1] for item in found])[best, :, places].T
         curvature = np.array([item[2] for item in found])[best, places]
-        return Reach(chosen, normals, curvature)
+        return Reach(chosen, normals, curvature), np.array(numbers)[best]
+
+    def _stepped(
+        self, follower: PointFollower, theta: Array, coordinate: Array, best: Array
+    ) -> Reach:
+        """Return the place near one that is known, with numbers that step into the complex plane.
+
+        Newton's step from a place of the real numbers gives what a small step changes.
+        """
+        edges = self.chain()
+        beside = [_beside(e, follower, theta, coordinate) for e in edges]
+        gaps, normals = (np.array([item[k] for item in beside]) for k in (0, 1))
+        places = np.arange(theta.size)
+        lever = np.sum(
+            turned(theta, normals[best, :, places].T) * follower.centre(coordinate).first, axis=0
+        )
+        moved = coordinate - gaps[best, places] / lever
+        normals = np.array([_beside(e, follower, theta, moved)[1] for e in edges])
+        bends = [0.0 if e.is_line else 1.0 / (e.radius + follower.roller) for e in edges]
+        return Reach(moved, normals[best, :, places].T, np.array(bends)[best])
 
     def point_gap(self, radius: float, x: Scalar, y: Scalar) -> Scalar:
         """Return the distance from the arc or line in whose sector the centre is."""
@@ -190,6 +221,20 @@ def _angles(middle: Array, half: Array) -> list[Array]:
     return [np.where(angle < math.pi, angle, np.nan) for angle in found]
 
 
+def _beside(
+    edge: Edge, follower: PointFollower, theta: Array, coordinate: Array
+) -> tuple[Array, Array]:
+    """Return how far a centre is outside an arc or line moved out, and the normal there."""
+    inner = turned(-theta, follower.centre(coordinate).place)
+    away = inner - np.array(edge.centre)[:, None]
+    if edge.is_line:
+        normal = np.broadcast_to(edge.normal(edge.first)[:, None], inner.shape)
+        return np.sum(normal * away, axis=0) - follower.roller, normal
+    offset = edge.radius + follower.roller
+    sign, size = math.copysign(1.0, offset.real), length(*away)
+    return sign * size - offset, sign * away / size
+
+
 def _arm(follower: PointFollower) -> tuple[float, float, float]:
     """Return pivot, arm and side of a rocking follower."""
     side = -follower.pressure_sign()
@@ -238,8 +283,8 @@ class EccentricCircle(Edges):
 
     def chain(self) -> tuple[Edge, ...]:
         """Return the circle."""
-        x = self.eccentricity * math.cos(self.direction)
-        y = self.eccentricity * math.sin(self.direction)
+        x = self.eccentricity * cosine(self.direction)
+        y = self.eccentricity * sine(self.direction)
         return (Edge((x, y), self.radius, 0.0, _TURN),)
 
 
@@ -283,7 +328,7 @@ def _chained(
         else:
             radius, turn = float(item.radius or 0.0), float(item.turn or 0.0)
             last = angle + math.copysign(turn, radius)
-            centre = place - radius * np.array([math.cos(angle), math.sin(angle)])
+            centre = place - radius * np.array([cosine(angle), sine(angle)])
             found.append(Edge((centre[0], centre[1]), radius, angle, last))
             angle = last
         place = found[-1].end(1.0, 0.0)
@@ -301,7 +346,7 @@ def _check_closed(
         )
     gap = place - np.array(start)
     size = max(float(np.abs(e.end(0.0, 0.0)).max()) for e in edges)
-    if float(np.hypot(*gap)) > _CLOSED * size:
+    if float(np.hypot(*gap.real)) > _CLOSED * size:
         raise ValueError(
             f"the outline does not close: it ends ({1e3 * gap[0]:.6g}, {1e3 * gap[1]:.6g}) mm from "
             "its start; change radii, turns or lengths"

@@ -14,6 +14,7 @@ from pydantic import Field, PrivateAttr
 
 from vehicledyn.base.parameters import quantity
 from vehicledyn.base.registry import register
+from vehicledyn.cams.analytic import direction, is_stepped, length, real_part
 from vehicledyn.cams.follower import PointFollower
 from vehicledyn.cams.geometry import turned
 from vehicledyn.cams.outline import Array, CamOutline, Reach, Support
@@ -28,25 +29,27 @@ _TURN = 2.0 * math.pi
 _SAMPLES = 2048
 _STEPS = 60
 _LEAST = 12
+_ASIDE = 1e-40
+Numbers = NDArray[Any]
 
 
 class _Curve(NamedTuple):
     """Points of the outline with derivatives by the polar angle, shape (2, n)."""
 
-    place: Array
-    first: Array
-    second: Array
+    place: Numbers
+    first: Numbers
+    second: Numbers
 
     @property
     def normal(self) -> Array:
         """Outward normals."""
-        return np.asarray(np.array([self.first[1], -self.first[0]]) / np.hypot(*self.first))
+        return np.asarray(np.array([self.first[1], -self.first[0]]) / length(*self.first))
 
     @property
     def curvature(self) -> Array:
         """Curvature, positive where convex [1/m]."""
         turn = self.first[0] * self.second[1] - self.first[1] * self.second[0]
-        return np.asarray(turn / np.hypot(*self.first) ** 3)
+        return np.asarray(turn / length(*self.first) ** 3)
 
 
 @register("cam_outline", "points")
@@ -98,8 +101,8 @@ class MeasuredPoints(CamOutline):
 
     def support(self, angle: Array) -> Support:
         """Return the touching lines, by Newton steps from the furthest of many points."""
-        c, s = np.cos(angle), np.sin(angle)
-        psi = self._grid[_furthest(self._curve(self._grid).place, angle)]
+        c, s = np.cos(angle.real), np.sin(angle.real)
+        psi = self._grid[_furthest(self._curve(self._grid).place, angle.real)]
         for _ in range(_STEPS):
             curve = self._curve(psi)
             slope = c * curve.first[0] + s * curve.first[1]
@@ -108,18 +111,30 @@ class MeasuredPoints(CamOutline):
             psi = psi + np.clip(step, -_TURN / _SAMPLES, _TURN / _SAMPLES)
             if np.abs(step).max() < 1e-15:
                 break
+        if np.iscomplexobj(angle):
+            c, s = np.cos(angle), np.sin(angle)
+            slope = c * curve.first[0] + s * curve.first[1]
+            psi = psi - slope / (c * curve.second[0] + s * curve.second[1])
         curve = self._curve(psi)
         p = c * curve.place[0] + s * curve.place[1]
         return Support(p, c * curve.place[1] - s * curve.place[0], 1.0 / curve.curvature)
 
     def reach(self, follower: PointFollower, theta: Array) -> Reach:
         """Return the outermost place of the moved-out outline on the path of the centre."""
+        psi = self._met(real_part(follower), theta)
+        if is_stepped(follower):
+            aside = self._miss(real_part(follower), theta, psi + 1j * _ASIDE).imag / _ASIDE
+            psi = psi - self._miss(follower, theta, psi) / aside
+        curve = self._curve(psi)
+        curvature = 1.0 / (1.0 / curve.curvature + follower.roller)
+        return Reach(self._height(follower, theta, psi), curve.normal, curvature)
+
+    def _met(self, follower: PointFollower, theta: Array) -> Array:
+        """Return the polar angles of that place."""
         grid = np.append(self._grid, _TURN)
-        miss = np.array([self._miss(follower, theta, np.full_like(theta, psi)) for psi in grid])
+        miss = self._miss(follower, theta, grid[:, None])
         crosses = np.sign(miss[:-1]) != np.sign(miss[1:])
-        heights = np.array(
-            [self._height(follower, theta, np.full_like(theta, psi)) for psi in self._grid]
-        )
+        heights = self._height(follower, theta, self._grid[:, None])
         best = np.argmax(np.where(crosses, heights, -np.inf), axis=0)
         if not crosses.any(axis=0).all():
             raise ValueError(
@@ -132,10 +147,7 @@ class MeasuredPoints(CamOutline):
             middle = 0.5 * (low + high)
             left = np.sign(self._miss(follower, theta, middle)) == sign
             low, high = np.where(left, middle, low), np.where(left, high, middle)
-        psi = 0.5 * (low + high)
-        curve = self._curve(psi)
-        curvature = 1.0 / (1.0 / curve.curvature + follower.roller)
-        return Reach(self._height(follower, theta, psi), curve.normal, curvature)
+        return np.asarray(0.5 * (low + high))
 
     def point_gap(self, radius: float, x: Scalar, y: Scalar) -> Scalar:
         """Return how far the centre is outside the moved-out outline along its radius [m]."""
@@ -178,31 +190,41 @@ class MeasuredPoints(CamOutline):
         second = (r**2 + 2.0 * slope**2 - kappa * (r**2 + slope**2) ** 1.5) / r
         return hermite_table("cam pitch curve", angles, np.array([r, slope, second]))
 
-    def _curve(self, psi: Array) -> _Curve:
+    def _curve(self, psi: Numbers) -> _Curve:
         from scipy.interpolate import splev
 
         if self._spline is None:
             raise ValueError(f"{self.file}: has not been read")
-        begin = float(self._spline[0][5])
-        x = begin + np.mod(psi - begin, _TURN)
+        begin, at = float(self._spline[0][5]), np.real(psi)
+        x = begin + np.mod(at - begin, _TURN)
         r, r1, r2 = (np.asarray(splev(x, self._spline, der=k)) for k in range(3))
-        c, s = np.cos(psi), np.sin(psi)
-        return _Curve(
+        c, s = np.cos(at), np.sin(at)
+        found = _Curve(
             np.array([r * c, r * s]),
             np.array([r1 * c - r * s, r1 * s + r * c]),
             np.array([r2 * c - 2.0 * r1 * s - r * c, r2 * s + 2.0 * r1 * c - r * s]),
         )
+        if not np.iscomplexobj(psi):
+            return found
+        along, across = np.asarray(splev(x, self._spline, der=3)) - 3.0 * r1, 3.0 * r2 - r
+        third = np.array([along * c - across * s, along * s + across * c])
+        step = 1j * np.imag(psi)
+        return _Curve(
+            found.place + found.first * step,
+            found.first + found.second * step,
+            found.second + third * step,
+        )
 
-    def _centre(self, follower: PointFollower, theta: Array, psi: Array) -> Array:
+    def _centre(self, follower: PointFollower, theta: Array, psi: Numbers) -> Array:
         curve = self._curve(psi)
         return turned(theta, curve.place + follower.roller * curve.normal)
 
-    def _miss(self, follower: PointFollower, theta: Array, psi: Array) -> Array:
+    def _miss(self, follower: PointFollower, theta: Array, psi: Numbers) -> Array:
         """Return how far a centre on the moved-out outline is beside its path [m]."""
         x, y = self._centre(follower, theta, psi)
         if not follower.rocks:
             return np.asarray(x - follower.centre(np.ones(1)).place[0, 0])
-        return np.asarray(np.hypot(x - follower.pivot, y) - follower.arm)  # type: ignore[attr-defined]
+        return np.asarray(length(x - follower.pivot, y) - follower.arm)  # type: ignore[attr-defined]
 
     def _height(self, follower: PointFollower, theta: Array, psi: Array) -> Array:
         """Return the coordinate of a follower whose centre is there."""
@@ -210,7 +232,7 @@ class MeasuredPoints(CamOutline):
         if not follower.rocks:
             return np.asarray(y)
         side = -follower.pressure_sign()
-        return np.asarray(np.arctan2(side * y, follower.pivot - x))  # type: ignore[attr-defined]
+        return np.asarray(direction(side * y, follower.pivot - x))  # type: ignore[attr-defined]
 
 
 def _furthest(places: Array, angle: Array) -> NDArray[np.intp]:

@@ -21,6 +21,8 @@ from vehicledyn.base.ranges import read_range
 from vehicledyn.base.step_memory import Memory
 from vehicledyn.base.units import shown
 from vehicledyn.cams.cam_file import CamFile, read_cam
+from vehicledyn.cams.outlines.arcs import Arcs
+from vehicledyn.cams.outlines.points import MeasuredPoints
 from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.results.tables.sensitivity_table import SensitivityTable
 
@@ -72,16 +74,12 @@ def find_cam_sensitivity(
     """
     asked = [_parsed(name) for name in of]
     cam = read_cam(Path(file))
-    if cam.motion is None:
-        raise InputError(
-            f"{file}: the motion over an outline is sought point by point and has no derivatives "
-            "here; give the cam by its motion"
-        )
-    if cam.conjugate is not None:
-        raise InputError(f"{file}: a conjugate cam has no derivatives; leave 'conjugate' out")
     progress("differentiating the cam", None)
     measures = list(_measures(cam))
     chosen = [measures[k] for k in matching([m.quantity.name for m in measures], to, cam.title)]
+    lowest_at = None if cam.outline is None else cam.lowest()[1]
+    moved = [_moved(cam, measure, lowest_at) for measure in chosen]
+    scales = np.array([abs(m.value) or 1.0 for m in chosen])
     known = cam_columns(cam, cam.samples(max(cam.steps, _FEWEST))[:-1])
     sizes = {name: _largest(np.asarray(item.values)) for name, item in known.items()}
     figures, values, slopes, notes = [], [], [], []
@@ -94,7 +92,8 @@ def find_cam_sensitivity(
             if kind:
                 words = f"{_WORDS[kind]} of {words[0].lower()}{words[1:]}"
             quantity = Quantity(title, unit, words)
-            value, slope, has_corner = _found(cam, (column, sizes[column]), theta, chosen)
+            sized = column, sizes[column]
+            value, slope, has_corner = _found(cam, sized, theta, moved, scales)
             sign = np.sign(value) if kind == "peak" else 1.0
             figures.append(quantity)
             values.append(sign * value)
@@ -115,21 +114,22 @@ def find_cam_sensitivity(
 
 
 def _found(
-    cam: CamFile, sized: tuple[str, float], theta: float, chosen: Sequence[_Measure]
+    cam: CamFile,
+    sized: tuple[str, float],
+    theta: float,
+    moved: Sequence[CamFile],
+    scales: Floats,
 ) -> tuple[float, Floats, bool]:
     """Return a column at an angle, its derivatives, not numbers at a corner, and whether it is.
 
-    The column is given with its largest size.
+    The column is given with its largest size. Derivatives are by measures with sizes ``scales``,
+    which ``moved`` step into the complex plane.
     """
     column, size = sized
     angles = theta + _BESIDE * np.array([0.0, -1.0, 1.0])
     value = float(cam_columns(cam, angles[:1])[column].values[0])
-    moved = [
-        np.imag(cam_columns(_moved(cam, measure), angles)[column].values) / _STEP
-        for measure in chosen
-    ]
-    rows = np.array(moved).reshape(len(chosen), len(angles))
-    sizes = np.array([abs(m.value) or 1.0 for m in chosen])[:, None]
+    slopes = [np.imag(cam_columns(other, angles)[column].values) / _STEP for other in moved]
+    rows, sizes = np.array(slopes).reshape(len(moved), len(angles)), scales[:, None]
     largest = float(np.max(np.abs(rows * sizes), initial=0.0))
     apart = np.abs(rows[:, 1] - rows[:, 2]) * sizes[:, 0]
     lost = (apart > np.maximum(_CORNER * largest, _NEGLIGIBLE * size)) | ~np.isfinite(rows).all(
@@ -167,15 +167,23 @@ def _extreme(cam: CamFile, kind: str, column: str) -> float:
 def _measures(cam: CamFile) -> Iterator[_Measure]:
     """Yield the numbers that may move: what comes later in the turn moves along.
 
-    The last law takes what is left of the turn, and the last one that rises or falls closes it.
+    The last law takes what is left of the turn, and the last one that rises or falls closes it. An
+    outline of arcs stays as it is and moves as a whole, since a single arc would open it.
     """
     if cam.base_radius is not None:
         yield _measure(cam, ("base_radius",), "base_radius")
-    for part in ("follower", "load"):
-        owner = getattr(cam, part)
-        for field in [] if owner is None else type(owner).model_fields:
-            if isinstance(getattr(owner, field), float):
-                yield _measure(owner, (part, field), f"{part}.{field}")
+    yield from _numbers(cam.follower, ("follower",))
+    if cam.conjugate is not None:
+        yield from _numbers(cam.conjugate, ("conjugate",))
+        yield from _numbers(cam.conjugate.follower, ("conjugate", "follower"))
+    if cam.outline is not None and not isinstance(cam.outline, MeasuredPoints):
+        yield from _numbers(cam.outline, ("outline",))
+    if isinstance(cam.outline, Arcs):
+        for k, axis in enumerate("xy"):
+            about = Quantity(f"outline.start.{axis}", "m", f"Where the first arc starts, {axis}")
+            yield _Measure(about, cam.outline.start[k], ((("outline", "start", k), 1.0),))
+    if cam.load is not None:
+        yield from _numbers(cam.load, ("load",))
     laws = cam.laws
     rises = [k for k, law in enumerate(laws) if law.rise]
     for k, law in enumerate(laws):
@@ -185,6 +193,13 @@ def _measures(cam: CamFile) -> Iterator[_Measure]:
             field = "swing" if law.turns else "lift"
             closing = ("motion", rises[-1], field), -1.0
             yield _measure(law, ("motion", k, field), f"motion.{k + 1}.{field}", closing)
+
+
+def _numbers(owner: ParameterSet, place: tuple[str | int, ...]) -> Iterator[_Measure]:
+    """Yield the numbers of a part, by their places."""
+    for field in type(owner).model_fields:
+        if isinstance(getattr(owner, field), float):
+            yield _measure(owner, (*place, field), ".".join(map(str, (*place, field))))
 
 
 def _measure(
@@ -199,26 +214,28 @@ def _measure(
     return _Measure(quantity, float(getattr(owner, field)), ((place, 1.0), *further))
 
 
-def _moved(cam: CamFile, measure: _Measure) -> CamFile:
-    """Return a cam with a step of a measure into the complex plane."""
+def _moved(cam: CamFile, measure: _Measure, lowest_at: float | None) -> CamFile:
+    """Return a cam with a step of a measure into the complex plane.
+
+    ``lowest_at`` is the angle of the least coordinate, of an outline [rad].
+    """
     own: dict[str, Any] = {name: getattr(cam, name) for name in type(cam).model_fields}
-    for place, share in measure.places:
-        field, step = str(place[-1]), 1j * share * _STEP
-        if len(place) == 1:
-            own[field] = own[field] + step
-        elif len(place) == 2:
-            part = own[str(place[0])]
-            own[str(place[0])] = _with(part, field, step)
-        else:
-            laws = list(own["motion"])
-            number = int(place[1])
-            laws[number] = _with(laws[number], field, step)
-            own["motion"] = laws
-    return type(cam).model_construct(**own)
+    for (first, *rest), share in measure.places:
+        own[str(first)] = _stepped(own[str(first)], rest, 1j * share * _STEP)
+    found = type(cam).model_construct(**own)
+    return found if lowest_at is None else found.with_lowest_at(lowest_at)
 
 
-def _with(part: ParameterSet, field: str, step: complex) -> ParameterSet:
-    return part.model_copy(update={field: getattr(part, field) + step})
+def _stepped(part: Any, place: Sequence[str | int], step: complex) -> Any:
+    """Return a part with a step of the number at a place in it."""
+    if not place:
+        return part + step
+    first, *rest = place
+    if isinstance(first, int):
+        items = list(part)
+        items[first] = _stepped(items[first], rest, step)
+        return type(part)(items)
+    return part.model_copy(update={first: _stepped(getattr(part, first), rest, step)})
 
 
 def _parsed(name: str) -> tuple[str, str, tuple[float, ...]]:
