@@ -1,24 +1,28 @@
 """Optimisation with exact gradients and without: how many simulations each takes.
 
-    python benchmarks/optimisation.py [hardpoints clearance yaw_damping] [--without]
+    python benchmarks/optimisation.py [STUDY ...] [--without]
 
-The studies in the folder of this name begin at poor starts. With gradients a study runs as
-``vehicledyn optimise`` does. Without them (``--without``) scipy's COBYLA sees the same scaled
-objective and constraints, and counts simulations until it is within a thousandth of what the
-gradients gained, or has taken thirty times their number; and SLSQP, which takes its gradients by
-differences, searches until it has converged.
+Studies are those of the folder of this name, or paths of others; they begin at poor starts. With
+gradients a study runs as ``vehicledyn optimise`` does. Without them (``--without``) scipy's COBYQA,
+COBYLA and SLSQP, which takes its gradients by differences, see the same scaled variables, objective
+and constraints, and count simulations until they are within parts of what the gradients gained, or
+have taken thirty times their number. One simulation with gradients counts as one.
 """
 
 from __future__ import annotations
 
 import sys
 import time
+import warnings
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from scipy.optimize import minimize
 
 import vehicledyn.catalogue  # noqa: F401
+from vehicledyn.analyse.variable_box import VariableBox
 from vehicledyn.base.step_memory import Memory
 from vehicledyn.results.hdf5.kept_work import KeptWork
 from vehicledyn.studies.optimisation.file import load_optimisation
@@ -27,7 +31,18 @@ from vehicledyn.studies.optimisation.run import run_optimisation
 
 FOLDER = Path(__file__).parent / "optimisation"
 ALL = ("hardpoints", "clearance", "yaw_damping")
-GAIN, MOST, KEPT = 1e-3, 30, 1e-3
+PARTS, MOST, KEPT = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6), 30, 1e-5
+"""Parts of the gain that may be missing, runs in those with gradients, scaled violation allowed."""
+
+METHODS: dict[str, tuple[str, dict[str, Any]]] = {
+    "COBYQA": ("COBYQA", {"initial_tr_radius": 0.25, "final_tr_radius": 1e-7, "maxfev": 10**5}),
+    "COBYQA, small steps": (
+        "COBYQA",
+        {"initial_tr_radius": 0.1, "final_tr_radius": 1e-7, "maxfev": 10**5},
+    ),
+    "COBYLA": ("COBYLA", {"rhobeg": 0.2, "tol": 1e-8, "maxiter": 10**5}),
+    "SLSQP by differences": ("SLSQP", {"ftol": 1e-10, "eps": 1e-6, "maxiter": 1000}),
+}
 
 
 class EnoughError(Exception):
@@ -38,97 +53,102 @@ def quiet(*_: object) -> None:
     """Report nothing."""
 
 
-class Plain:
-    """Objective and constraints of a study by runs without derivatives."""
+def place(name: str) -> Path:
+    """Return the path of a study."""
+    return Path(name) if name.endswith(".yaml") else FOLDER / f"{name}.yaml"
 
-    def __init__(self, name: str, goal: float, most: int) -> None:
-        study = load_optimisation(FOLDER / f"{name}.yaml")
+
+class Plain:
+    """Objective and constraints of a study by runs without derivatives, which are counted."""
+
+    def __init__(self, name: str, best: float, most: int) -> None:
+        study = load_optimisation(place(name))
         self.problem = Problem(study, Memory(), quiet)
+        self.box = VariableBox(self.problem.low, self.problem.high)
         first = self.problem.values(self.problem.start)
-        self.weights, self.start = study.weights, first.objective
-        slopes = np.abs(first.jacobian * (self.problem.high - self.problem.low))
-        self.scales = np.maximum(np.abs(first.constraints), slopes.max(axis=1, initial=0.0))
-        self.goal, self.most, self.count = goal, most, 0
+        scaled = self.box.by_shares(first, self.problem.start)
+        self.size = max(abs(first.objective), float(np.max(np.abs(scaled.gradient))))
+        slopes = np.max(np.abs(scaled.jacobian), axis=1, initial=0.0)
+        self.scales = np.maximum(np.abs(first.constraints), slopes)
+        self.first, self.best, self.most = first.objective, best, most
+        self.begin = self.box.shares(self.problem.start)
+        self.forget()
+
+    def forget(self) -> None:
+        """Count from zero again."""
         self.known: dict[bytes, tuple[float, np.ndarray]] = {}
+        self.reached: dict[float, int] = {}
 
     def at(self, x: np.ndarray) -> tuple[float, np.ndarray]:
-        """Return scaled objective and constraints; stop where the goal is reached."""
+        """Return scaled objective and constraints; stop where all is reached."""
         x = np.clip(x, 0.0, 1.0)
         if x.tobytes() not in self.known:
+            if len(self.known) >= self.most:
+                raise EnoughError
             self.known[x.tobytes()] = self._new(x)
             objective, constraints = self.known[x.tobytes()]
-            kept = np.min(constraints, initial=0.0) >= -KEPT
-            if (kept and objective * self.start <= self.goal) or self.count >= self.most:
+            if np.min(constraints, initial=0.0) >= -KEPT:
+                for part in PARTS:
+                    if objective * self.size <= self.best + part * (self.first - self.best):
+                        self.reached.setdefault(part, len(self.known))
+            if PARTS[-1] in self.reached:
                 raise EnoughError
         return self.known[x.tobytes()]
 
     def _new(self, x: np.ndarray) -> tuple[float, np.ndarray]:
         p = self.problem
-        self.count += 1
-        figures = p._figures(p.low + (p.high - p.low) * x, follows=False).values
-        objective = sum(w * figures[n] for n, w in self.weights.items())
-        limits = [sign * (figures[name] - value) for name, sign, value in p.limits()]
-        return objective / self.start, np.array(limits) / self.scales
+        found = p._values(p._figures(self.box.point(x), follows=False), len(x))
+        return found.objective / self.size, found.constraints / self.scales
 
 
 def with_gradients(name: str) -> tuple[int, float]:
     """Run a study, print what it came to, and return its runs and objective."""
     begun = time.perf_counter()
-    study = load_optimisation(FOLDER / f"{name}.yaml")
-    report = run_optimisation(study, kept=KeptWork(), progress=quiet)
+    report = run_optimisation(load_optimisation(place(name)), kept=KeptWork(), progress=quiet)
     table = report.table
-    best = float(np.min(table.objective[np.asarray(table.violation) <= 1e-5]))
-    seconds = time.perf_counter() - begun
-    goal = best + GAIN * (table.objective[0] - best)
-    near = (table.objective <= goal) & (table.violation <= KEPT)
+    kept = np.asarray(table.violation) <= KEPT
+    best, first = float(np.min(table.objective[kept])), table.objective[0]
+    counts = {}
+    for part in PARTS:
+        is_near = kept & (table.objective <= best + part * (first - best))
+        counts[part] = int(np.argmax(is_near)) + 1
     print(
-        f"{name}: {table.n_runs} runs with gradients, {int(np.argmax(near)) + 1} of them up to "
-        f"{GAIN:.1%} of the gain; objective {table.objective[0]:.6g} -> "
-        f"{best:.6g}, optimality {table.optimality:.1e}, {seconds:.0f} s",
+        f"{name}: {table.n_runs} runs with gradients, {table.message}, optimality "
+        f"{table.optimality:.1e}, {time.perf_counter() - begun:.0f} s; objective {first:.6g} -> "
+        f"{best:.9g}; {words(counts)}",
         flush=True,
     )
     return table.n_runs, best
 
 
-def without(name: str, runs: int, best: float) -> None:
+def words(counts: dict[float, int]) -> str:
+    """Return after how many runs which part of the gain was missing."""
+    return "up to " + ", ".join(f"{part:g} of the gain {counts.get(part, '-')}" for part in PARTS)
+
+
+def without(plain: Plain, name: str, label: str) -> None:
     """Count the simulations of a search without gradients."""
-    first = Plain(name, -np.inf, 1)
-    goal = best + GAIN * abs(first.start - best)
-    plain = Plain(name, goal, MOST * runs)
-    p = plain.problem
-    start = (p.start - p.low) / (p.high - p.low)
-    limits = [{"type": "ineq", "fun": lambda x: plain.at(x)[1]}] if plain.scales.size else []
-    limits += [{"type": "ineq", "fun": lambda x: x}, {"type": "ineq", "fun": lambda x: 1.0 - x}]
-    end = "reached"
+    method, options = METHODS[label]
+    plain.forget()
+    limit: Callable[[np.ndarray], np.ndarray] = lambda x: plain.at(x)[1]  # noqa: E731
+    limits = [{"type": "ineq", "fun": limit}] if plain.scales.size else []
+    end = "stopped"
     try:
-        minimize(
-            lambda x: plain.at(x)[0], start, method="COBYLA", constraints=limits,
-            options={"rhobeg": 0.2, "tol": 1e-8, "maxiter": 10 * plain.most},
-        )  # fmt: skip
-        end = "ended before"
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            minimize(
+                lambda x: plain.at(x)[0], plain.begin, method=method, constraints=limits,
+                bounds=[(0.0, 1.0)] * len(plain.begin), options=options,
+            )  # fmt: skip
+        end = "ended"
     except EnoughError:
-        end = "reached" if plain.count < plain.most else "not reached"
-    least = min((o for o, c in plain.known.values() if np.min(c, initial=0.0) >= -KEPT), default=1)
-    print(
-        f"{name}: {plain.count} runs without gradients, objective {least * plain.start:.6g}; "
-        f"{GAIN:.1%} of the gain {end}",
-        flush=True,
+        pass
+    least = min(
+        (o for o, c in plain.known.values() if np.min(c, initial=0.0) >= -KEPT), default=np.nan
     )
-
-
-def by_differences(name: str) -> None:
-    """Count the simulations of a search whose gradients are differences."""
-    plain = Plain(name, -np.inf, 10**6)
-    p = plain.problem
-    start = (p.start - p.low) / (p.high - p.low)
-    limits = [{"type": "ineq", "fun": lambda x: plain.at(x)[1]}] if plain.scales.size else []
-    found = minimize(
-        lambda x: plain.at(x)[0], start, method="SLSQP", bounds=[(0.0, 1.0)] * len(start),
-        constraints=limits, options={"ftol": 1e-8, "maxiter": 200},
-    )  # fmt: skip
     print(
-        f"{name}: {plain.count} runs by differences, objective {found.fun * plain.start:.6g}; "
-        f"{found.message}",
+        f"{name}: {label} {end} after {len(plain.known)} runs without gradients at "
+        f"{least * plain.size:.9g}; {words(plain.reached)}",
         flush=True,
     )
 
@@ -137,10 +157,11 @@ def main() -> None:
     """Run the studies that are asked for."""
     names = [item for item in sys.argv[1:] if not item.startswith("-")] or list(ALL)
     for name in names:
-        found = with_gradients(name)
+        runs, best = with_gradients(name)
         if "--without" in sys.argv:
-            without(name, *found)
-            by_differences(name)
+            plain = Plain(name, best, MOST * runs)
+            for label in METHODS:
+                without(plain, name, label)
 
 
 if __name__ == "__main__":

@@ -28,9 +28,6 @@ _OPTIONAL = (
     "title", "set", "minimise", "least_squares", "constraints", "optimiser", "tolerance",
     "most_runs", "starts", "explore", "seed", "front", "scatter", "deviations", "choices",
 )  # fmt: skip
-_TOLERANCE, _LAST_GAIN = 1e-10, 1e-8
-"""Usual parts of the objective's size that a further run must promise to gain, and of other
-optimisers the last step."""
 _MOST_CHOICES = 1000
 _MOST_STARTS = 10_000
 _VARIABLE = ("from", "to", "start")
@@ -75,8 +72,7 @@ def load_optimisation(
     if bool(weights) == bool(targets) and not form.mistakes.problems:
         form.wrong(("minimise",), "give either minimise or least_squares")
     optimiser = form.choice("optimiser", METHODS[0], METHODS)
-    usual = _TOLERANCE if optimiser == METHODS[0] else _LAST_GAIN
-    tolerance = form.number("tolerance", usual, least=0.0)
+    tolerance = form.number("tolerance", 1e-8, least=0.0)
     explore = int(form.number("explore", 0, least=0, whole=True))
     deviations = form.number("deviations", 3.0, least=0.0)
     scatter = dict(form.entries(("scatter",)))
