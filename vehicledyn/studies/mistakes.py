@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 from vehicledyn.base.errors import InputError, nearest_name
 from vehicledyn.base.problems import Place, Problem, dotted, is_count, refusal
-from vehicledyn.base.units import to_si
+from vehicledyn.base.units import is_bare, is_pure, missing_unit, to_si
 from vehicledyn.base.yaml import Document
 from vehicledyn.files.scenario.sources import Sources
 
@@ -45,6 +45,9 @@ class Mistakes:
 
     def number(self, place: Place, value: object, unit: str) -> float:
         """Return a quantity of the study in SI; not a number, and a problem, if it has no size."""
+        if self.document is not None and is_bare(value) and not is_pure(unit):
+            self.wrong(place, missing_unit(value, unit))
+            return math.nan
         try:
             found = to_si(value, unit)
         except InputError as error:

@@ -95,6 +95,8 @@ def test_a_stopped_search_goes_on_to_the_same_optimum(tmp_path, monkeypatch):
         ("at_most: 0.12", "at_least: 0.2 m/s, at_most: 0.12", "at_least is above at_most"),
         ("rms(strut.rate)", "rms(strut.rat)", "did you mean 'strut.rate'"),
         ("at_most", "most", "did you mean .at_most"),
+        ("at_most: 0.12 m/s", "at_most: 0.12", "0.12 has no unit; write '0.12 m/s'"),
+        ("rms(strut.force): 1}", "rms(strut.force): .nan}", "a weight that is not zero"),
         ("minimise: {rms(strut.force): 1}", "minimise: body.height_rate", "is a curve"),
         ("minimise:", "minimize:", "unknown key"),
         ("scenarios: run.yaml", "scenarios: none.yaml", "none.yaml"),

@@ -19,6 +19,7 @@ from vehicledyn.base.step_memory import Memory
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.studies.failed_runs import with_values
+from vehicledyn.studies.identification.low_pass import LowPass
 from vehicledyn.studies.mistakes import Mistakes
 
 if TYPE_CHECKING:
@@ -31,7 +32,8 @@ Floats = NDArray[np.float64]
 class MeasuredChannel:
     """A measured channel: times (m,) [s], values (m,) in SI and the deviation of their noise.
 
-    ``lag`` [s] is by how much its clock is late: measured at t is what happened at t - lag.
+    ``lag`` [s] is by how much its clock is late: measured at t is what happened at t - lag, behind
+    the filter of its sensor if that has one.
     """
 
     channel: str
@@ -39,6 +41,7 @@ class MeasuredChannel:
     values: Floats
     noise: float
     lag: float = 0.0
+    low_pass: LowPass | None = None
 
 
 @dataclass(frozen=True)
@@ -99,6 +102,9 @@ class Fitting:
             at = item.times - item.lag
             own = np.array(entry["values"][item.channel])
             rows = np.array(entry["slopes"][item.channel]).reshape(len(times), len(point))
+            if item.low_pass is not None:
+                both = item.low_pass.applied(times, np.column_stack([own, rows]))
+                own, rows = both[:, 0], both[:, 1:]
             values.append(np.interp(at, times, own))
             columns = [np.interp(at, times, rows[:, k]) for k in range(len(point))]
             slopes.append(np.stack(columns, axis=1))
@@ -185,7 +191,8 @@ def _unusable(item: MeasuredChannel, duration: float) -> str:
     if not (np.isfinite(item.times).all() and np.isfinite(item.values).all()):
         return "has gaps; leave the samples without a value out"
     if np.any(np.diff(item.times) <= 0.0):
-        return "its times must grow"
+        before = float(item.times[int(np.argmax(np.diff(item.times) <= 0.0))])
+        return f"its times must grow; the one after {before:g} s does not"
     at = item.times - item.lag
     if at[0] < 0.0 or at[-1] > duration * (1.0 + 1e-12):
         return (

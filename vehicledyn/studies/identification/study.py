@@ -24,6 +24,7 @@ from vehicledyn.studies.identification.identify import (
     checked_unknowns,
     identify_from,
 )
+from vehicledyn.studies.identification.low_pass import MOST_ORDER, LowPass
 from vehicledyn.studies.identification.measured_data import MeasuredSignal, read_signals
 from vehicledyn.studies.known_names import KnownNames
 from vehicledyn.studies.mistakes import silent
@@ -34,7 +35,7 @@ Floats = NDArray[np.float64]
 _REQUIRED = ("experiments", "parameters")
 _OPTIONAL = ("title", "hold_out")
 _EXPERIMENT = ("scenario", "set", "data", "time", "signals")
-_SIGNAL = ("column", "unit", "noise", "lag")
+_SIGNAL = ("column", "unit", "noise", "lag", "low_pass", "order")
 
 
 @dataclass(frozen=True)
@@ -161,7 +162,7 @@ def _measured(
     What is wrong with them is noted.
     """
     where: Place = ("experiments", name)
-    signals = []
+    signals, filters = [], dict[str, LowPass | None]()
     for channel, entry in form.entries((*where, "signals"), _SIGNAL, ("noise",)):
         place: Place = (*where, "signals", channel)
         count = len(form.mistakes.problems)
@@ -169,6 +170,7 @@ def _measured(
             unit = known.channel_unit(channel)
             noise = form.mistakes.number((*place, "noise"), entry["noise"], unit)
             lag = form.mistakes.number((*place, "lag"), entry.get("lag", "0 s"), "s")
+            filters[channel] = _low_pass(form, place, entry)
             column = str(entry.get("column", channel))
             if count == len(form.mistakes.problems):
                 given_unit = entry.get("unit")
@@ -185,11 +187,36 @@ def _measured(
         times, values = columns
         kept = ~np.isnan(values)
         if not kept.all():
-            notes.append(f"{data.name}: {signal.column}: {int((~kept).sum())} gaps are left out")
+            lost = int((~kept).sum())
+            words = "1 gap is" if lost == 1 else f"{lost} gaps are"
+            notes.append(f"{data.name}: {signal.column}: {words} left out")
         measured.append(
-            MeasuredChannel(signal.channel, times[kept], values[kept], signal.noise, signal.lag)
+            MeasuredChannel(
+                signal.channel,
+                times[kept],
+                values[kept],
+                signal.noise,
+                signal.lag,
+                filters[signal.channel],
+            )
         )
     return tuple(measured), notes
+
+
+def _low_pass(form: StudyForm, place: Place, entry: dict[str, Any]) -> LowPass | None:
+    """Return the filter of a signal, None if it has none; what is wrong with it is noted."""
+    if "low_pass" not in entry:
+        if "order" in entry:
+            form.wrong((*place, "order"), "is that of a filter; give its low_pass too")
+        return None
+    frequency = form.mistakes.number((*place, "low_pass"), entry["low_pass"], "Hz")
+    order = entry.get("order", 2)
+    if frequency <= 0.0:
+        form.wrong((*place, "low_pass"), "the corner frequency must be above zero")
+    if isinstance(order, bool) or not isinstance(order, int) or not 1 <= order <= MOST_ORDER:
+        form.wrong((*place, "order"), f"expected a whole number from 1 to {MOST_ORDER}")
+        return None
+    return LowPass(frequency, order)
 
 
 def _read(

@@ -21,7 +21,7 @@ from vehicledyn.studies.optimisation.study import (
     Variable,
     WantedFigure,
 )
-from vehicledyn.studies.study_form import StudyForm
+from vehicledyn.studies.study_form import LARGEST, StudyForm
 
 _REQUIRED = ("scenarios", "variables")
 _OPTIONAL = (
@@ -168,6 +168,9 @@ def _weights(form: StudyForm) -> dict[str, float]:
     for name, weight in wanted.items():
         if isinstance(weight, bool) or not isinstance(weight, int | float):
             form.wrong(("minimise", name), "expected a number, the weight of the figure")
+        elif not weight or not abs(weight) <= LARGEST:
+            words = f"expected a weight that is not zero, and of at most {LARGEST:g}"
+            form.wrong(("minimise", name), words)
         else:
             weights[str(name)] = float(weight)
     return weights
