@@ -32,20 +32,24 @@ class LowPass(NamedTuple):
         values
             Signals, shape (m, n).
         """
-        from scipy.signal import butter, cont2discrete, tf2ss
+        from scipy.linalg import expm
+        from scipy.signal import butter, tf2ss
 
-        system = tf2ss(*butter(self.order, 1.0, analog=True))
+        a, b, c, _ = tf2ss(*butter(self.order, 1.0, analog=True))
         steps = 2.0 * np.pi * self.frequency * np.diff(times)
         usual = float(np.median(steps))
-        known: dict[float, tuple[Floats, ...]] = {}
+        known: dict[float, Floats] = {}
         out, state = np.array(values, dtype=float), np.zeros((self.order, values.shape[1]))
         shifted = values - values[0]
         for k, step in enumerate(steps):
             own = usual if abs(step - usual) <= 1e-9 * usual else float(step)
             if own not in known:
-                known[own] = cont2discrete(system, own, method="foh")[:4]
-            a, b, c, d = known[own]
-            # This state lags by one sample: the next output needs the next input.
-            state = a @ state + b @ shifted[k : k + 1]
-            out[k + 1] = values[0] + (c @ state + d @ shifted[k + 1 : k + 2])[0]
+                # The states, the signal, and by how much it grows in the step.
+                flow = np.zeros((self.order + 2, self.order + 2))
+                flow[: self.order, : self.order + 1] = own * np.hstack([a, b])
+                flow[self.order, self.order + 1] = 1.0
+                known[own] = expm(flow)[: self.order]
+            grown = shifted[k + 1 : k + 2] - shifted[k : k + 1]
+            state = known[own] @ np.vstack([state, shifted[k : k + 1], grown])
+            out[k + 1] = values[0] + (c @ state)[0]
         return out
