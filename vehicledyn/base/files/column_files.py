@@ -21,14 +21,20 @@ from vehicledyn.base.units import parse_unit
 LARGEST_FILE = 50_000_000
 _HEAD = re.compile(r"([A-Za-z_]\w*(?:\.\w+)*)\s*(?:[\[(]([^\])]*)[\])])?")
 _MOST_TOLD = 20
+_NO_NUMBER = ("nan", "+nan", "-nan")
 
 
 @dataclass(frozen=True)
 class ColumnKind:
-    """What a column holds: the unit of its numbers in SI, or texts where that is None."""
+    """What a column holds: the unit of its numbers in SI, or texts where that is None.
+
+    ``may_be_nan`` says that cells with ``nan`` are as good as empty ones, as measuring programs
+    write gaps.
+    """
 
     unit: str | None
     required: bool = False
+    may_be_nan: bool = False
 
 
 @dataclass
@@ -114,6 +120,8 @@ def _taken(
         if known[name].unit is None:
             columns.texts[name].append(text or None)
             continue
+        if known[name].may_be_nan and text.lower() in _NO_NUMBER:
+            text = ""
         value = _number(text)
         if value is None:
             problems.append(columns.problem(row, name, f"'{text}' is no number"))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -42,6 +42,14 @@ class MeasuredChannel:
     noise: float
     lag: float = 0.0
     low_pass: LowPass | None = None
+
+    def without_gaps(self) -> tuple[MeasuredChannel, int]:
+        """Return it without samples that have no value, and how many these are."""
+        is_gap = np.isnan(self.values)
+        if self.times.shape != self.values.shape or not is_gap.any():
+            return self, 0
+        kept = replace(self, times=self.times[~is_gap], values=self.values[~is_gap])
+        return kept, int(is_gap.sum())
 
 
 @dataclass(frozen=True)
@@ -173,6 +181,11 @@ class Fitting:
         }
 
 
+def words_on_gaps(count: int) -> str:
+    """Return words on samples that are left out."""
+    return "1 gap is left out" if count == 1 else f"{count} gaps are left out"
+
+
 def check_measured(mistakes: Mistakes, experiment: Experiment) -> None:
     """Note measurements of an experiment that cannot be used."""
     duration = experiment.loaded.scenario.duration
@@ -187,9 +200,9 @@ def check_measured(mistakes: Mistakes, experiment: Experiment) -> None:
 def _unusable(item: MeasuredChannel, duration: float) -> str:
     """Return why a measurement cannot be used, empty if it can."""
     if item.times.shape != item.values.shape or item.times.ndim != 1 or not item.times.size:
-        return "needs as many values as times, one or more"
+        return "needs as many values as times, one or more that are no gaps"
     if not (np.isfinite(item.times).all() and np.isfinite(item.values).all()):
-        return "has gaps; leave the samples without a value out"
+        return "has times or values that are not finite; leave these samples out"
     if np.any(np.diff(item.times) <= 0.0):
         before = float(item.times[int(np.argmax(np.diff(item.times) <= 0.0))])
         return f"its times must grow; the one after {before:g} s does not"

@@ -22,6 +22,7 @@ from vehicledyn.studies.identification.experiments import (
     Fitting,
     MeasuredChannel,
     check_measured,
+    words_on_gaps,
 )
 from vehicledyn.studies.identification.identified import Unknowns
 from vehicledyn.studies.known_names import KnownNames
@@ -108,8 +109,10 @@ def identify(
 
     The arguments are those of :func:`identify_from`, of one experiment.
     """
-    experiments = [Experiment("", loaded, tuple(measured))]
-    return identify_from(loaded.title, experiments, parameters, progress=progress)
+    found = [item.without_gaps() for item in measured]
+    notes = [f"{item.channel}: {words_on_gaps(lost)}" for item, lost in found if lost]
+    experiments = [Experiment("", loaded, tuple(item for item, _ in found))]
+    return identify_from(loaded.title, experiments, parameters, progress=progress, remarks=notes)
 
 
 def identify_from(

@@ -56,7 +56,7 @@ def read_signals(
     if path.suffix == ".mat":
         return _of_matlab(path, time, signals)
     known = {time: ColumnKind("s", required=True)}
-    known |= {signal.column: ColumnKind(signal.unit, required=False) for signal in signals}
+    known |= {signal.column: ColumnKind(signal.unit, may_be_nan=True) for signal in signals}
     table = read_columns(path, known, is_open=True)
     for signal in signals:
         if signal.given_unit is not None:

@@ -17,7 +17,11 @@ from vehicledyn.base.files.limits import UnreadableFileError, check_regular
 from vehicledyn.base.problems import Place
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.results.hdf5.kept_work import KeptWork
-from vehicledyn.studies.identification.experiments import Experiment, MeasuredChannel
+from vehicledyn.studies.identification.experiments import (
+    Experiment,
+    MeasuredChannel,
+    words_on_gaps,
+)
 from vehicledyn.studies.identification.identified import Unknowns
 from vehicledyn.studies.identification.identify import (
     IdentificationReport,
@@ -184,22 +188,13 @@ def _measured(
     time = str(item.get("time", "time"))
     measured, notes = [], []
     for signal, columns in _read(form, where, data, time, signals):
-        times, values = columns
-        kept = ~np.isnan(values)
-        if not kept.all():
-            lost = int((~kept).sum())
-            words = "1 gap is" if lost == 1 else f"{lost} gaps are"
-            notes.append(f"{data.name}: {signal.column}: {words} left out")
-        measured.append(
-            MeasuredChannel(
-                signal.channel,
-                times[kept],
-                values[kept],
-                signal.noise,
-                signal.lag,
-                filters[signal.channel],
-            )
+        found = MeasuredChannel(
+            signal.channel, *columns, signal.noise, signal.lag, filters[signal.channel]
         )
+        kept, lost = found.without_gaps()
+        measured.append(kept)
+        if lost:
+            notes.append(f"{data.name}: {signal.column}: {words_on_gaps(lost)}")
     return tuple(measured), notes
 
 
