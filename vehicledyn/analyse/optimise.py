@@ -49,7 +49,8 @@ class Optimum:
     ``variables`` (n,) in SI with the :class:`Values` there; ``optimality`` is the largest part of
     the scaled gradient that no active constraint or bound takes, ``violation`` the largest scaled
     one; ``multipliers`` (m,) are zero where a constraint is not active; ``n_runs`` counts
-    evaluations, ``failures`` those that came to nothing. ``message`` says how the search ended.
+    evaluations, ``failures`` those that came to nothing. ``message`` says how the search ended,
+    ``was_stopped`` that it was for want of runs, before it came to a stationary point.
     """
 
     variables: Floats
@@ -62,6 +63,7 @@ class Optimum:
     failures: list[str]
     message: str
     history: list[tuple[Floats, float, float]] = field(default_factory=list)
+    was_stopped: bool = False
 
     @property
     def is_feasible(self) -> bool:
@@ -123,20 +125,20 @@ def optimise(
             return _by_least_squares(search, begin, tolerance)
         return _by_slsqp(search, begin, tolerance, most_runs)
 
-    stopped = f"stopped after {most_runs} runs"
+    stopped = f"stopped after {most_runs} runs, the most allowed"
     try:
         message = sought(scaled)
     except _EnoughError:
         message = stopped
     if search.is_feasible:
-        return search.best(message)
+        return search.best(message, was_stopped=message == stopped)
     search.approach()
     try:
         nearest = _least_missed(search, search.nearest)
         message = sought(nearest) if search.is_feasible else message
     except _EnoughError:
         message = stopped
-    return search.best(message)
+    return search.best(message, was_stopped=message == stopped)
 
 
 _ENDS = {
@@ -359,7 +361,7 @@ class _Search:
     def _violation(self, item: _Known) -> float:
         return self._terms(item.scaled).violation
 
-    def best(self, message: str) -> Optimum:
+    def best(self, message: str, *, was_stopped: bool) -> Optimum:
         """Return the best point that keeps the constraints, with a price on what is let through."""
         allowed = [item for item in self._points if self._violation(item) <= _ACTIVE]
         if allowed:
@@ -368,7 +370,7 @@ class _Search:
             best = min(self._points, key=self._squares)
         left, multipliers, at_bound = stationarity(best.shares, self._terms(best.scaled))
         if allowed and left <= _STATIONARY:
-            message = ""
+            message, was_stopped = "", False
         return Optimum(
             best.point,
             best.values,
@@ -380,6 +382,7 @@ class _Search:
             self.failures,
             message or "converged",
             [(item.point, item.values.objective, self._violation(item)) for item in self._points],
+            was_stopped,
         )
 
 

@@ -48,6 +48,7 @@ def optimise(
         ``variable_best`` over variable, ``figure_best`` and ``figure_slope`` there, and the runs:
         ``point``, ``objective``, ``violation``. Its status is "infeasible" where no point was found
         that keeps all constraints; ``status_message`` names those that are missed, and by how much.
+        It is "stopped" where the search took all runs that it may before it was at its end.
 
     Raises
     ------

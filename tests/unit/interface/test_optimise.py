@@ -9,6 +9,7 @@ import vehicledyn as vd
 from vehicledyn.analyse.objective import Values
 from vehicledyn.analyse.optimise import optimise
 from vehicledyn.base.errors import InputError, NumericalError
+from vehicledyn.cli.exit_codes import NEGATIVE, code_of_result
 from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.studies.failed_runs import failure_notes, with_values
 
@@ -161,7 +162,10 @@ def test_gradients_that_runs_do_not_confirm_are_reported(tmp_path):
     )
     run = SCENARIO.replace("model: quarter_car", "model: rattling.yaml").replace("2 s", "1 s")
     (tmp_path / "run.yaml").write_text(run.replace("step: 5 ms", "step: 1 ms"), encoding="utf-8")
-    with pytest.warns(vd.AccuracyWarning, match="do not confirm"):
+    with (
+        pytest.warns(vd.AccuracyWarning, match="do not confirm"),
+        pytest.warns(vd.UnfinishedWarning, match="stopped after 2 runs"),
+    ):
         vd.optimise(path)
 
 
@@ -199,9 +203,13 @@ def test_a_failed_run_is_retreated_from():
 
 
 def test_the_system_found_is_written_as_a_file(tmp_path):
-    """It has the optimum's parameters, and runs as the optimum did."""
+    """It has the parameters found, and runs as the best run did, though its search was stopped."""
     path = study(tmp_path, STUDY.replace("constraints:", "most_runs: 3\nconstraints:"))
-    found = vd.optimise(path, system_file=tmp_path / "best.yaml")
+    with pytest.warns(vd.UnfinishedWarning, match="stopped after 3 runs"):
+        found = vd.optimise(path, system_file=tmp_path / "best.yaml")
+    assert found.status == "stopped"
+    assert code_of_result(found) == NEGATIVE
+    assert "allow it more runs" in found.report.as_text()
     motion = vd.simulate(tmp_path / "run.yaml", set={"model": str(tmp_path / "best.yaml")})
     force, time = motion["strut.force"].values, motion["time"].values
     assert np.sqrt(np.trapezoid(force**2, time) / time[-1]) == pytest.approx(

@@ -55,8 +55,9 @@ class OptimumTable:
     ``variables`` with ``low``, ``high``, ``start`` and ``best`` (n,); ``figures`` with values at
     the start and the optimum ``figure_values`` (2, m) and ``figure_slopes`` (m, n) there; the runs
     with ``points`` (n_runs, n), ``objective`` and ``violation`` (n_runs,); ``front`` the best
-    compromises with a second figure; ``limits`` words on each constraint. ``status`` is "ok", or
-    "infeasible" where a constraint is not kept, which ``message`` names.
+    compromises with a second figure; ``limits`` words on each constraint. ``status`` is "ok",
+    "infeasible" where a constraint is not kept, which ``message`` names, or "stopped" where the
+    search had no more runs.
     """
 
     title: str

@@ -112,6 +112,9 @@ def _optimum(
         words = "; ".join(item.as_text() for item in missed)
         table = replace(table, status="infeasible", message=f"{INFEASIBLE} ({words})")
         table = replace(table, notes=(*table.notes, _advice(study, problem, found)))
+    elif found.was_stopped:
+        note = "the search is not at its end: allow it more runs (most_runs), or start where it is"
+        table = replace(table, status="stopped", notes=(*table.notes, note))
     rank = _rank(problem, found)
     multipliers = found.multipliers.tolist()
     return OptimumReport(
@@ -156,7 +159,7 @@ def _rank(problem: Problem, found: Optimum) -> tuple[float, float]:
 def _advice(study: OptimisationStudy, problem: Problem, found: Optimum) -> str:
     """Return what to do where no point keeps all constraints."""
     steps = []
-    if found.n_runs >= study.most_runs:
+    if found.was_stopped:
         steps.append(f"allow more than {study.most_runs} runs (most_runs)")
     steps.append("loosen what is missed, by that much or more")
     if found.at_bound:
@@ -293,7 +296,7 @@ def _table(
 ) -> OptimumTable:
     names = problem.figures
     notes = failure_notes(found.failures)
-    notes += convergence_notes(found, was_stopped=found.n_runs >= study.most_runs)
+    notes += convergence_notes(found, was_stopped=found.was_stopped)
     points, objective, violation = zip(*found.history, strict=True)
     return OptimumTable(
         study.title,
