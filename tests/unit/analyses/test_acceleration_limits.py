@@ -9,6 +9,7 @@ from vehicledyn.analyses.handling.acceleration_limits import (
     FRONT_GRIP,
     LARGEST_FORCE,
     acceleration_limits,
+    turns_to_limits,
 )
 from vehicledyn.analyses.handling.steady_turn import (
     FULL_THROTTLE,
@@ -17,6 +18,9 @@ from vehicledyn.analyses.handling.steady_turn import (
     solver_for,
 )
 from vehicledyn.analyses.handling.tested_car import CONTROL, TestedCar
+from vehicledyn.analyses.handling.turn_equations import Turn
+from vehicledyn.analyses.handling.turn_limit import limit_value
+from vehicledyn.analyses.handling.turn_paths import followed
 from vehicledyn.analyses.handling.yaw_moment import yaw_moments
 from vehicledyn.interface.targets import read_target
 from vehicledyn.road.manoeuvres.driving_test import DrivingTest
@@ -49,6 +53,25 @@ def test_power_slides_are_left_out():
     spins = [end == WHEEL_SPIN for end in found.ends]
     assert found.longitudinal[spins][:-1] == pytest.approx(np.arange(2.0, 6.0))
     assert found.lateral[[0, -1]] == pytest.approx(0.0)
+
+
+@pytest.mark.parametrize("along", [0.0, -7.0])
+def test_limits_are_those_of_the_curve_whatever_the_steps(along):
+    """They were known to a step, 0.03 m/s^2; at -7 the inner rear wheel is locked."""
+    solver = solver_of("small_car")
+    start, values = (0.0, solver.straight(SPEED)), []
+    if along:
+        path = turns_to_limits(solver, SPEED, -1.0)[0][-along]
+        start = path.values[0], path.points[0]
+
+    def turn(across):
+        return Turn(SPEED, "lateral_acceleration", across, along)
+
+    for smallest in (0.03, 0.2):
+        path = followed(solver, turn, start, np.inf, step=0.5, smallest=smallest)
+        values.append(limit_value(solver, turn, path, smallest=smallest))
+        assert path.values[-1] < values[-1] < path.values[-1] + 2.0 * smallest
+    assert values[0] == pytest.approx(values[1], abs=1e-9)
 
 
 def test_a_locked_inner_wheel_ends_no_diagram():

@@ -27,6 +27,7 @@ from vehicledyn.analyses.handling.steady_turn import (
 )
 from vehicledyn.analyses.handling.tested_car import CarPoint
 from vehicledyn.analyses.handling.turn_equations import Turn, TurnOf
+from vehicledyn.analyses.handling.turn_limit import limit_value
 from vehicledyn.analyses.handling.turn_paths import TurnPath, followed
 from vehicledyn.base.errors import NumericalError
 
@@ -136,7 +137,8 @@ def acceleration_limits(
             if across.is_lost:
                 further = _FURTHER % across.values[-1]
                 lost.append(f"{words} at {braked:g} m/s^2: {further} across the path")
-        found.append((direction * size, 0.0, _reason(solver, path), "", ()))
+        most = limit_value(solver, _along(speed, direction), path, smallest=_SMALLEST_ALONG)
+        found.append((direction * most, 0.0, _reason(solver, path), "", ()))
         if path.is_lost:
             lost.append(f"{words}: {_FURTHER % size} along the path")
     found.sort(key=lambda row: row[0])
@@ -195,18 +197,20 @@ def turns_to_limits(
 def _straight(
     solver: SteadyTurn, speed: float, direction: float, start: tuple[float, CarPoint], step: float
 ) -> TurnPath:
-    def turn(size: float) -> Turn:
-        return Turn(speed, "lateral_acceleration", 0.0, direction * size)
-
     return followed(
         solver,
-        turn,
+        _along(speed, direction),
         start,
         start[0] + step,
         step=step,
         smallest=_SMALLEST_ALONG,
         unwanted=solver.beyond_grip_or_drive,
     )
+
+
+def _along(speed: float, direction: float) -> TurnOf:
+    """Return straight running at an acceleration along the path, or a deceleration."""
+    return lambda size: _turn(speed, 0.0, direction * size)
 
 
 def _limit(solver: SteadyTurn, path: TurnPath, along: float, speed: float) -> _Limit:
@@ -219,7 +223,8 @@ def _limit(solver: SteadyTurn, path: TurnPath, along: float, speed: float) -> _L
         wheel = max(growth, key=lambda name: 0.0 if name in locked else abs(growth[name]))
         reason = {"front": FRONT_GRIP, "rear": REAR_GRIP}.get(wheel, LARGEST_FORCE)
     is_named = reason == LARGEST_FORCE
-    return along, last, reason, wheel if is_named else "", _locked(solver, point)
+    most = limit_value(solver, lambda a: _turn(speed, a, along), path, smallest=SMALLEST_STEP)
+    return along, most, reason, wheel if is_named else "", _locked(solver, point)
 
 
 def _reason(solver: SteadyTurn, path: TurnPath) -> str:

@@ -23,6 +23,7 @@ from vehicledyn.analyse.newton import solve_damped
 from vehicledyn.analyses.handling.steady_turn import BALANCED, ITERATIONS, LEAST_SIZE, SteadyTurn
 from vehicledyn.analyses.handling.tested_car import CarPoint
 from vehicledyn.analyses.handling.turn_equations import TurnOf
+from vehicledyn.analyses.handling.turn_paths import TurnPath
 from vehicledyn.base.errors import NumericalError
 
 Vector = NDArray[np.float64]
@@ -44,6 +45,9 @@ _ONE = 1e-5
 
 _BOTH = 1e-6
 """Ratio of singular values from which on the next to last one is zero, too [1]."""
+
+_FURTHEST = 2.0
+"""How far behind the last turn the limit may lie, in least steps of the path [1]."""
 
 
 @dataclass(frozen=True)
@@ -191,6 +195,63 @@ def limit_turn(
     NumericalError
         If the curve does not come back near its last turn.
     """
+    curve, x, way, size = _highest(solver, turn, before, last)
+    rows = curve.rows(x)
+    sides, sizes, _ = np.linalg.svd(rows[:, :-1] * curve.scale[:-1])
+    if abs(curve.tangent(x, way)[-1]) > _LEVEL:
+        return curve.corner(x, way, _BESIDE * size)
+    if sizes[-2] <= _BOTH * sizes[-3]:
+        raise NumericalError(
+            f"at the limit {x[-1]:.6g} two things give way at once, such as both wheels of an "
+            "axle, so that the limit has no derivative"
+        )
+    left = sides[:, -1]
+    return TurnLimit(float(x[-1]), curve.point(x), left / float(left @ rows[:, -1]))
+
+
+def limit_value(solver: SteadyTurn, turn: TurnOf, path: TurnPath, *, smallest: float) -> float:
+    """Return the largest value behind the last turn of a path, to rounding.
+
+    The limit may be a corner, as where a wheel lifts. A path ends within its least step of it; its
+    last value is taken where it has no limit, or where the curve is lost behind that turn.
+
+    Parameters
+    ----------
+    solver
+        Finds the turns.
+    turn
+        The demand of a value.
+    path
+        Turns with their values up to the limit.
+    smallest
+        The least step of the path.
+    """
+    last = path.values[-1]
+    if not path.is_limit or len(path.points) < 2:
+        return last
+    known = list(zip(path.values, path.points, strict=True))[-2:]
+    given = known, [turn(value) for value in (known[0][0], last)], smallest
+
+    def found() -> float:
+        try:
+            value = float(_highest(solver, turn, *known)[1][-1])
+        except NumericalError:
+            return last
+        return value if last <= value <= last + _FURTHEST * smallest else last
+
+    return solver.car.memory.recall("limit", given, found)
+
+
+def _highest(
+    solver: SteadyTurn,
+    turn: TurnOf,
+    before: tuple[float, CarPoint],
+    last: tuple[float, CarPoint],
+) -> tuple[_Curve, Vector, Vector, float]:
+    """Return a curve, its point of the largest value, the way to there and the step along it.
+
+    The point is smooth or a corner.
+    """
     curve = _Curve(solver, turn, last)
     start, scale = curve.known, curve.scale
     earlier = np.append(solver.unknowns(turn(before[0]), before[1]), before[0])
@@ -206,15 +267,4 @@ def limit_turn(
         return float(curve.tangent(curve.at(start + step * way * scale, way), way)[-1])
 
     step = brentq(climbing, 0.0, size, xtol=1e-12 * size)
-    x = curve.at(start + step * way * scale, way)
-    rows = curve.rows(x)
-    sides, sizes, _ = np.linalg.svd(rows[:, :-1] * scale[:-1])
-    if abs(curve.tangent(x, way)[-1]) > _LEVEL:
-        return curve.corner(x, way, _BESIDE * size)
-    if sizes[-2] <= _BOTH * sizes[-3]:
-        raise NumericalError(
-            f"at the limit {x[-1]:.6g} two things give way at once, such as both wheels of an "
-            "axle, so that the limit has no derivative"
-        )
-    left = sides[:, -1]
-    return TurnLimit(float(x[-1]), curve.point(x), left / float(left @ rows[:, -1]))
+    return curve, curve.at(start + step * way * scale, way), way, size
