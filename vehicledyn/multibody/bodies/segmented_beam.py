@@ -18,12 +18,16 @@ axis would draw it, with the same s² dx in c. No places of the joints avoid it:
 are exact the squared slope of straight segments exceeds that of the axis by the square of their
 difference. So the bending joints of a straight beam shift what is beyond them by ½ c q² along the
 segment before them; one of each four does so for all, the middle one nearest to the next four.
+
+Where segments bend in both planes and twist, the strains of a place are the rotation vector of its
+three joints over h: by it a section turns evenly from one end of its part to the other, whatever
+the order of the joints. What remains is how the twist varies over the part that a joint stands for.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -43,6 +47,9 @@ _JOINTS = {
     "y": ("R3", "y"),
 }
 """Joint and name of the coordinate by which a segment yields in each direction."""
+
+_TURNS = ("twist", "z", "y")
+"""Directions in which segments turn, about their first, second and third axis."""
 
 _BENDS = {"z": 2, "y": 3}
 """Axis about which a segment turns as it bends in each direction."""
@@ -174,7 +181,7 @@ class SegmentedBeam:
         """Return the joints at a place, at every other one in the reverse order.
 
         Where all had the same order each twist would act on its bending or not at all, where half
-        of it does: an error of 1/n.
+        of it does: an error of 1/n. Springs that see the rotation vector make it half at each.
         """
         reach = self._given_back(index)
         found = []
@@ -231,14 +238,44 @@ class SegmentedBeam:
         """Return the energy of the springs [J]."""
         total = ops.scalar(0.0)
         for index in range(1, self.count + 1):
-            for joint in self._joints(index):
-                place = kinematics.coordinate(joint.name)
-                total = total + 0.5 * self._spring(joint, index) * place * place
+            places = self._coordinates(index, kinematics.coordinate)
+            for direction, strain in self._strains(index, places).items():
+                total = total + 0.5 * self._spring(direction, index) * strain * strain
         return total
 
-    def _spring(self, joint: Joint, index: int) -> Scalar:
+    def _coordinates(self, index: int, value: Callable[[str], Scalar]) -> dict[str, Scalar]:
+        """Return the value of each joint at a place, such as its coordinate, by direction."""
+        return {
+            d: value(f"{self.name}.{w}_{index}")
+            for d, (_, w) in _JOINTS.items()
+            if d in self.yields
+        }
+
+    def _slopes(self, index: int, places: dict[str, Scalar]) -> dict[tuple[str, str], Scalar]:
+        """Return the derivatives of the strains at a place by coordinates that differ from 1 and 0.
+
+        Turns a, b, c one after the other have the rotation vector (a + ½ b c, b - ½ a c, c + ½ a b)
+        to the second order, those in the reverse order the same with other signs.
+        """
+        sign = -0.5 if index % 2 else 0.5
+        found = {}
+        for k, direction in enumerate(_TURNS):
+            one, other = _TURNS[(k + 1) % 3], _TURNS[(k + 2) % 3]
+            if {direction, one, other} <= places.keys():
+                half = -sign if k == 1 else sign
+                found[direction, one] = half * places[other]
+                found[direction, other] = half * places[one]
+        return found
+
+    def _strains(self, index: int, places: dict[str, Scalar]) -> dict[str, Scalar]:
+        """Return the stretch and the components of the rotation vector at a place."""
+        found = dict(places)
+        for (direction, by), slope in self._slopes(index, places).items():
+            found[direction] = found[direction] + 0.5 * slope * places[by]
+        return found
+
+    def _spring(self, direction: str, index: int) -> Scalar:
         """Return the stiffness of a joint: that of the section where it stands, over its part."""
-        direction = joint.name.removeprefix(f"{self.name}.").rpartition("_")[0]
         numbers = self.properties.at(self.joints[index - 1])
         return getattr(numbers, direction) * self.count / self.length
 
@@ -250,13 +287,22 @@ class SegmentedBeam:
         bending = [d for d in ("z", "y") if d in self.yields]
         pace = self._pace(bending[-1]) if bending else 1.0
         delay = 2.0 * damping * self.length**2 / pace
-        found = {}
+        found: dict[str, Scalar] = {}
         for index in range(1, self.count + 1):
-            for joint in self._joints(index):
-                spring = self._spring(joint, index)
-                rate = kinematics.rate(joint.name)
-                place = kinematics.coordinate(joint.name)
-                found[joint.name] = -spring * (place + delay * rate)
+            places = self._coordinates(index, kinematics.coordinate)
+            rates = self._coordinates(index, kinematics.rate)
+            slopes = self._slopes(index, places)
+            strains, paces = self._strains(index, places), dict(rates)
+            for (direction, by), slope in slopes.items():
+                paces[direction] = paces[direction] + slope * rates[by]
+            loads = {
+                direction: -self._spring(direction, index) * (strain + delay * paces[direction])
+                for direction, strain in strains.items()
+            }
+            total = dict(loads)
+            for (direction, by), slope in slopes.items():
+                total[by] = total[by] + slope * loads[direction]
+            found |= {f"{self.name}.{_JOINTS[d][1]}_{index}": load for d, load in total.items()}
         return found
 
     def _pace(self, direction: str) -> Scalar:
