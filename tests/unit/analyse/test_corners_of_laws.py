@@ -152,3 +152,52 @@ def test_a_motion_that_is_smooth_across_a_corner_of_its_laws_is_not_divided():
     )
     motion = followed(equations, STEPS, 20)
     assert motion.corners == []
+
+
+def runs_over(n_stops, distance):
+    """A mass that runs over soft stops, one by one."""
+    t, x, v, m = symbols("t", "x", "v", "m")
+    force = sum(ops.maximum(x - (k + 0.3) * distance, 0.0) for k in range(n_stops))
+    return build(
+        "stops",
+        time=t,
+        states=[(x, 0.0), (v, 1.0)],
+        rates=[v, -force / m],
+        parameters=[(m, 0.8)],
+        outputs=[("x", x)],
+        positions=(0,),
+        velocities=(1,),
+    )
+
+
+def test_a_motion_whose_laws_change_their_branches_all_the_time_is_not_divided():
+    """However seldom each of them does: its steps stay whole, as cheap as they were."""
+    step = STEPS.interval / STEPS.per_interval
+    assert len(followed(runs_over(12, 4.0 * step), STEPS, 2).corners) == 12
+    assert followed(runs_over(20, 4.0 * step), STEPS, 2).corners == []
+
+
+def test_a_motion_that_begins_at_a_corner_up_to_rounding_does_not_pass_it():
+    """Nor does it find one there when it passes another in its first step."""
+    t, x, v, m = symbols("t", "x", "v", "m")
+    edge = 0.4 * STEPS.interval / STEPS.per_interval
+
+    def found(start):
+        force = 9.0 * ops.absolute(x) + 70.0 * ops.maximum(x - edge, 0.0)
+        equations = build(
+            "begun",
+            time=t,
+            states=[(x, start), (v, 1.0)],
+            rates=[v, -force / m],
+            parameters=[(m, 0.8)],
+            outputs=[("x", x)],
+            positions=(0,),
+            velocities=(1,),
+        )
+        return followed(equations, STEPS, 2)
+
+    exact, rounded = found(0.0), found(-1e-15)
+    assert len(exact.corners) == 1
+    assert [item.missed for item in rounded.corners] == pytest.approx(
+        [item.missed for item in exact.corners], rel=1e-6
+    )

@@ -32,7 +32,8 @@ _MOST_AHEAD = 4096
 _NOISE = 1e-9
 """Part of a function's range that it changes by in a step, if not by rounding."""
 _OFTEN, _FEW = 0.1, 16
-"""Part of the steps, and their number, up to which one function may change its branch in them."""
+"""Part of the steps, and their number, up to which one function may change its branch in them, and
+up to which all may together: where contacts rattle, corners are all over the motion."""
 _MOST_IN_STEP = 16
 _CLOSE = 1e-8
 """Part of a step that is kept from a corner."""
@@ -104,6 +105,7 @@ class CornerSteps:
         self._plain = Bundle(code, np.zeros((code.n_constants, 0)))
         self._sizes = np.ones(len(kernel.equations.states))
         self._weak = np.zeros(self._functions.count)
+        self._resting = np.zeros(self._functions.count, dtype=bool)
         self.forget()
 
     def forget(self) -> None:
@@ -143,7 +145,7 @@ class CornerSteps:
         states, unknowns = self._ahead(march, count + 1)
         times = np.asarray(time + step * np.arange(len(states)), dtype=float)
         values = self._functions.along(times, states, unknowns, self._parameters)
-        changed = self._changed(values)[:count]
+        changed = self._changed(values, begins=march.step == 0)[:count]
         self._until = march.step + count
         rows = np.flatnonzero(changed.any(axis=1))
         self._steps = {march.step + int(row): np.flatnonzero(changed[row]) for row in rows}
@@ -170,23 +172,33 @@ class CornerSteps:
             np.concatenate([begin[1][None], rows[1]]),
         )
 
-    def _changed(self, values: Matrix) -> NDArray[np.bool_]:
-        """Return in which steps which functions change, rounding and rattling left out."""
+    def _changed(self, values: Matrix, *, begins: bool) -> NDArray[np.bool_]:
+        """Return in which steps which functions change, rounding and rattling left out.
+
+        Where the motion begins at a corner up to rounding, it does not pass it.
+        """
         is_table = self._functions.is_table
         changed = np.zeros((len(values) - 1, values.shape[1]), dtype=bool)
         moving = np.flatnonzero((np.diff(values > 0.0, axis=0)).any(axis=0) | is_table)
         values = values[:, moving]
         marks = self._marks(values, moving)
+        with np.errstate(invalid="ignore"):
+            sizes = np.max(np.abs(values), axis=0, initial=0.0)
+            moved = np.abs(np.diff(values, axis=0)) > _NOISE * sizes
+            rests = (np.abs(values[0]) <= _NOISE * sizes) & ~is_table[moving]
+        self._resting[:] = False
+        if begins:
+            self._resting[moving], marks[0, rests] = rests, 0.0
         rows = np.arange(len(marks))[:, None]
         known = np.where(marks != 0.0, rows, len(marks) - 1)
         behind = np.minimum.accumulate(known[::-1], axis=0)[::-1]
         marks = np.take_along_axis(marks, behind, axis=0)
-        with np.errstate(invalid="ignore"):
-            sizes = np.max(np.abs(values), axis=0, initial=0.0)
-            moved = np.abs(np.diff(values, axis=0)) > _NOISE * sizes
         found = (np.diff(marks, axis=0) != 0.0) & moved
         often = found.sum(axis=0) > max(_FEW, _OFTEN * len(found))
         changed[:, moving] = found & ~often
+        felt = changed & self._felt
+        if felt.any(axis=1).sum() > _FEW and felt.sum() > _OFTEN * len(found):
+            changed[:] = False
         return changed
 
     def _marks(self, values: Matrix, which: NDArray[np.intp] | slice = slice(None)) -> Matrix:
@@ -228,7 +240,8 @@ class CornerSteps:
         del self._steps[step]
         fraction, here, count = 0.0, ends[0], 0
         marks = self._marks(self._values(here))
-        marks = np.where(marks == 0.0, self._marks(self._values(ends[1])), marks)
+        either = (marks == 0.0) | (self._resting & (step == 0))
+        marks = np.where(either, self._marks(self._values(ends[1])), marks)
         for _ in range(_MOST_IN_STEP):
             trial = parts.trials(fraction)
             corner = self._first(trial, fraction, marks) if fraction < 1.0 else None

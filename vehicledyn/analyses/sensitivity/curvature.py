@@ -14,6 +14,7 @@ from vehicledyn.analyse.gradients.equilibrium import GivenSlopes
 from vehicledyn.analyse.gradients.key_figures import unit_of
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.analyses.sensitivity.driving_failures import bent_beams
+from vehicledyn.analyses.sensitivity.motion import counted_corners
 from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
 from vehicledyn.analyses.sensitivity.names import Directions, directions, wanted
 from vehicledyn.base.errors import InputError
@@ -147,9 +148,8 @@ def find_curvature(
     notes = [*study.notes, *bent_beams(study, plain)]
     if plain.corners:
         notes.append(
-            f"warning: the motion passes {len(plain.corners)} corners of laws, the first at "
-            f"{plain.corners[0].time:.6g} s: these derivatives are those of whole steps, which "
-            "step over them; take differences of gradients"
+            f"warning: the motion passes {counted_corners(plain)}: these derivatives are those of "
+            "whole steps, which step over such places; take differences of gradients"
         )
     slopes, curvatures = [], []
     about = {c.name: c for c in e.channels}

@@ -168,11 +168,21 @@ def divided_steps(motion: MotionSlopes) -> list[str]:
     if not motion.corners:
         return []
     missed = max(item.missed for item in motion.corners)
+    places, them, one = counted_corners(motion), "them", "one"
+    if len(motion.corners) == 1:
+        them = one = "it"
     return [
-        f"steps are divided at {len(motion.corners)} corners of laws, the first at "
-        f"{motion.corners[0].time:.6g} s; a run steps over them, and misses one by up to "
+        f"steps are divided at {places}; a run steps over {them}, and misses {one} by up to "
         f"{missed:.1e} of the size of a state"
     ]
+
+
+def counted_corners(motion: MotionSlopes) -> str:
+    """Return how many corners of laws a motion passes, and when the first, in words."""
+    first = f"{motion.corners[0].time:.6g} s"
+    if len(motion.corners) == 1:
+        return f"a corner of a law, at {first}"
+    return f"{len(motion.corners)} corners of laws, the first at {first}"
 
 
 def _needs_run(of: list[str], equations: Any) -> bool:
