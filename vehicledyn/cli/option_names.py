@@ -8,6 +8,8 @@ _OPTIONS = {
     "inputs": "--input",
     "outputs": "--output",
     "channels": "--channel",
+    "shifts": "--shift",
+    "amplitudes": "--amplitude",
     "tolerances": "--tolerance",
     "drives": "--drive",
     "first": "--from",

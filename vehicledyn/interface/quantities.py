@@ -7,7 +7,7 @@ from math import isfinite
 
 from vehicledyn.base.argument_names import given
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.units import to_si
+from vehicledyn.base.units import shown, to_si
 
 
 def quantity(name: str, value: float | str, unit: str) -> float:
@@ -26,7 +26,7 @@ def quantity(name: str, value: float | str, unit: str) -> float:
     if not isfinite(number):
         raise InputError(f"{given(name, value)}: must be finite")
     if abs(number) > _LARGEST:
-        raise InputError(f"{given(name, value)}: must be below {_LARGEST:g}")
+        raise InputError(f"{given(name, value)}: must be below {shown(_LARGEST, unit)}")
     return number
 
 
@@ -59,15 +59,15 @@ def speeds_in_si(value: float | str | Iterable[float | str] | None) -> list[floa
     return [speed_in_si(item) for item in value]
 
 
-def texts(name: str, value: str | Iterable[str]) -> list[str]:
+def texts(name: str, value: str | Iterable[str], *, at_least: int = 1) -> list[str]:
     """Return one name or several as a list.
 
     Raises
     ------
     InputError
-        If there is none.
+        If there are fewer than asked, or others than texts.
     """
     found = [value] if isinstance(value, str) else list(value)
-    if not found or not all(isinstance(item, str) for item in found):
+    if len(found) < at_least or not all(isinstance(item, str) for item in found):
         raise InputError(f"{given(name, value)}: give one name or more")
     return found

@@ -60,7 +60,8 @@ def sweep(
     set, settings
         As for :func:`vehicledyn.simulate`; of a study file also fields of the study.
     channels
-        Names or patterns of the channels to keep of each case; the scenario's if None.
+        Names or patterns of the channels to keep of each case; the scenario's if None, ``[]`` for
+        key figures alone.
     save_to, overwrite, backend, progress
         As for :func:`vehicledyn.simulate`.
     resume
@@ -86,7 +87,7 @@ def sweep(
         If the equations cannot be set up.
     """
     changes = override_texts(set, settings)
-    kept = None if channels is None else texts("channels", channels)
+    kept = None if channels is None else texts("channels", channels, at_least=0)
     if isinstance(study, LoadedStudy):
         loaded = study
     elif vary is None and cases is None:
