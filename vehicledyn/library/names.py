@@ -6,6 +6,7 @@ A file is named by its stem, such as ``iltis_slalom``, or by its place without t
 
 from __future__ import annotations
 
+import reprlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -102,7 +103,7 @@ def locate(name: str, kinds: Sequence[Kind], others: Sequence[str] = ()) -> Path
     try:
         path.with_name(f"{path.name}.yaml").exists()
     except OSError as error:
-        raise InputError(f"'{name[:80]}...' is not a file: {error.strerror}") from None
+        raise InputError(f"{reprlib.repr(name)} names no file: {error.strerror}") from None
     if path.is_symlink() or (path.exists() and not path.is_dir()):
         return path
     if path.suffix:
