@@ -143,3 +143,13 @@ def test_the_ellipse_is_finite_everywhere_and_within_friction(felt):
 def test_ways_of_chrono_need_its_convention():
     with pytest.raises(ValueError, match="combined: a rule of Chrono; give 'convention: chrono'"):
         Pac2002(file=PAC, combined="none")
+    with pytest.raises(ValueError, match="combined: a rule of Chrono; give 'convention: chrono'"):
+        TyreOfFile(file=PAC, combined="none")
+
+
+def test_the_law_of_a_file_combines_slips_by_the_rule_that_is_named():
+    """The key was refused without 'kind: pac2002'."""
+    for way in ("ellipse", "none"):
+        given = {**SEDAN, "convention": "chrono", "combined": way}
+        felt = 4e3, 0.1, 0.12, 0.0, 20.0
+        assert forces(TyreOfFile(**given), *felt) == forces(Pac2002(**given), *felt)

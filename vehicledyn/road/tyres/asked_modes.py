@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from vehicledyn.road.tyre_files.use_mode import DYNAMICS
-from vehicledyn.road.tyres.file_tyre import FileTyre
-from vehicledyn.road.tyres.pac2002 import OF_CHRONO
+from vehicledyn.road.tyres.file_tyre import OF_CHRONO, FileTyre
 
 _ACTING = {
     "none": "no force but the load acts",

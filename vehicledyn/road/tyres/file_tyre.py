@@ -6,9 +6,9 @@ from abc import abstractmethod
 from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from vehicledyn.base.errors import InputError, unknown_name
 from vehicledyn.base.parameters import quantity
@@ -30,6 +30,8 @@ from vehicledyn.road.tyres.scaling_factors import UNREAD, ScalingFactors
 from vehicledyn.road.tyres.tyre import RelaxationLengths, Tyre, TyreForces, TyreInput
 from vehicledyn.symbolic.ops import Scalar
 
+OF_CHRONO = ("chrono", "chrono_vehicle")
+"""Conventions with a combined slip of their own."""
 _OTHER = {"left": "right", "right": "left"}
 _NO_FORCES = TyreForces(0.0, 0.0, 0.0)
 
@@ -65,6 +67,11 @@ class FileTyre(Tyre):
         default=None, description="Forces that act; without it those that USE_MODE asks for"
     )
 
+    combined: Literal["ellipse", "pacejka", "none"] | None = Field(
+        default=None,
+        description="Combined slip by Chrono's rules; without it USE_MODE and FE_METHOD decide",
+    )
+
     turn_slip: bool | None = Field(
         default=None,
         description="Whether turn slip acts, the curvature of the wheel's path, by the file's "
@@ -79,6 +86,14 @@ class FileTyre(Tyre):
 
     knows_turn_slip: ClassVar[bool] = False
     """Whether the law has turn slip."""
+
+    @model_validator(mode="after")
+    def _know_combination(self) -> Self:
+        if self.combined is not None and self.convention not in OF_CHRONO:
+            raise ValueError(
+                "combined: a rule of Chrono; give 'convention: chrono', or 'acting: uncombined'"
+            )
+        return self
 
     @abstractmethod
     def steady_forces(self, p: Coefficients, contact: TyreInput) -> TyreForces:
@@ -108,8 +123,11 @@ class FileTyre(Tyre):
 
     @property
     def forces_that_act(self) -> str:
-        """Forces as this tyre names them, or as USE_MODE of the file does."""
-        return self.acting or self.content.asked.forces
+        """Forces as this tyre names them, or as USE_MODE of the file does.
+
+        A way to combine slips, where one is named, is not that of the file.
+        """
+        return self.acting or ("combined" if self.combined else self.content.asked.forces)
 
     @property
     def ellipse(self) -> Literal["shifted", "plain"] | None:

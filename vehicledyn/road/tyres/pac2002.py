@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import ClassVar, Literal, Self
-
-from pydantic import Field, model_validator
+from typing import ClassVar
 
 from vehicledyn.base.registry import register
 from vehicledyn.road.tyre_files.tyre_file import TURNED
-from vehicledyn.road.tyres.file_tyre import FileTyre, convention_of
+from vehicledyn.road.tyres.file_tyre import OF_CHRONO, FileTyre, convention_of
 from vehicledyn.road.tyres.pacejka.coefficient_values import Coefficients
 from vehicledyn.road.tyres.pacejka.formula_52 import forces_52
 from vehicledyn.road.tyres.pacejka.formula_chrono import (
@@ -20,9 +18,6 @@ from vehicledyn.road.tyres.pacejka.formula_chrono import (
 from vehicledyn.road.tyres.tyre import RelaxationLengths, TyreForces, TyreInput
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar
-
-OF_CHRONO = ("chrono", "chrono_vehicle")
-"""Conventions with a combined slip of their own."""
 
 
 @register("tyre", "pac2002")
@@ -38,19 +33,6 @@ class Pac2002(FileTyre):
 
     versions: ClassVar[tuple[str, ...]] = ("pac2002", "5.2")
 
-    combined: Literal["ellipse", "pacejka", "none"] | None = Field(
-        default=None,
-        description="Combined slip by Chrono's rules; without it USE_MODE and FE_METHOD decide",
-    )
-
-    @model_validator(mode="after")
-    def _know_combination(self) -> Self:
-        if self.combined is not None and self.convention not in OF_CHRONO:
-            raise ValueError(
-                "combined: a rule of Chrono; give 'convention: chrono', or 'acting: uncombined'"
-            )
-        return self
-
     def steady_forces(self, p: Coefficients, contact: TyreInput) -> TyreForces:
         """Return the forces of a tyre that is not mirrored."""
         chosen = convention_of(self, ("standard", "angles", "chrono", "chrono_vehicle"))
@@ -63,11 +45,6 @@ class Pac2002(FileTyre):
         if chosen == "chrono":
             return forces_chrono(p, contact, combined)
         return forces_52(p, contact, angles=chosen == "angles", ellipse=self.ellipse)
-
-    @property
-    def forces_that_act(self) -> str:
-        """Forces that act; a way to combine slips, where one is named, is not that of the file."""
-        return super().forces_that_act if self.combined is None else self.acting or "combined"
 
     def relaxation_lengths(self, contact: TyreInput) -> RelaxationLengths:
         """Return the lengths by the file's coefficients, in the convention of the tyre."""
