@@ -6,6 +6,7 @@ the others computed again from these, so that memory stays bounded.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from math import ceil, sqrt
 
@@ -46,6 +47,27 @@ class Record:
     n_bytes: int
 
 
+@dataclass(frozen=True)
+class Passage:
+    """A step that is taken in another way: where it ends, and the derivatives of that.
+
+    ``by_state`` (n_states, n_states) and ``by_parameter`` (n_states, n_parameters).
+    """
+
+    state: Vector
+    unknowns: Vector
+    by_state: NDArray[np.float64]
+    by_parameter: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Passages:
+    """Steps that are taken in another way, and what takes one from its states and unknowns."""
+
+    steps: Collection[int]
+    taken: Callable[[int, Vector, Vector], Passage]
+
+
 class BackCode:
     """Adjoints of a motion with steps of rk4.
 
@@ -57,9 +79,17 @@ class BackCode:
         The steps.
     constants
         What depends on the parameters alone.
+    passages
+        Steps that are taken in another way.
     """
 
-    def __init__(self, code: TangentCode, grid: StepRow, constants: Vector) -> None:
+    def __init__(
+        self,
+        code: TangentCode,
+        grid: StepRow,
+        constants: Vector,
+        passages: Passages | None = None,
+    ) -> None:
         self._code, self._grid, self._constants = code, grid, constants
         e, lanes = code.equations, code.lanes
         n_x = self._n_x = len(e.states)
@@ -79,6 +109,8 @@ class BackCode:
         self._numbers, self._bundle = code.numbers(), Bundle(code, np.zeros((n_c, 0)))
         self._steps = steps_of(grid)
         self.adjoint = np.zeros(n_x)
+        self._passages, self._passed = passages, dict[int, Passage]()
+        self.passages_adjoint = np.zeros(len(e.parameters))
 
     @property
     def constants_adjoint(self) -> Vector:
@@ -100,7 +132,7 @@ class BackCode:
         for k in range(n_kept):
             first, count = k * each, min(each, n_steps - k * each)
             states[k], unknowns[k] = state, guess
-            self._take(first, count, (state, guess), room)
+            self._follow(first, count, (state, guess), room)
             begins = np.arange(-(-first // per), -(-(first + count) // per))
             for samples, found in zip(at, room[:2], strict=True):
                 samples[begins] = found[(begins * per - first) * _STAGES]
@@ -122,7 +154,7 @@ class BackCode:
             return record.stages
         room = self._stage_room(count)
         start = record.states[block].copy(), record.unknowns[block].copy()
-        self._take(block * record.stride, count, start, room)
+        self._follow(block * record.stride, count, start, room)
         return room
 
     def back(self, record: Record, seeds: Vector) -> None:
@@ -133,19 +165,53 @@ class BackCode:
         for block in range(len(record.states) - 1, -1, -1):
             first = block * record.stride
             count = min(record.stride, record.n_steps - first)
-            status = self._code.call(
-                "vd_steps_back",
-                self._steps,
-                first,
-                count,
-                self._numbers.of(self._constants),
-                *self._stages(record, block, count),
-                self._map.slopes,
-                self._sums.back,
-                seeds,
-                self.adjoint,
-            )
-            self._code.check(status, self._time(first))
+            stages = self._stages(record, block, count)
+            for begin, end in reversed(self._spans(first, count)):
+                if begin == end:
+                    self._pass_back(begin, seeds)
+                    continue
+                status = self._code.call(
+                    "vd_steps_back",
+                    self._steps,
+                    begin,
+                    end - begin,
+                    self._numbers.of(self._constants),
+                    *_rows(stages, begin - first, end - first),
+                    self._map.slopes,
+                    self._sums.back,
+                    seeds,
+                    self.adjoint,
+                )
+                self._code.check(status, self._time(begin))
+
+    def _pass_back(self, step: int, seeds: Vector) -> None:
+        passage, per = self._passed[step], self._grid.per_interval
+        self.passages_adjoint += passage.by_parameter.T @ self.adjoint
+        self.adjoint[:] = passage.by_state.T @ self.adjoint
+        if step % per == 0:
+            self.adjoint += seeds[step // per]
+
+    def _spans(self, first: int, count: int) -> list[tuple[int, int]]:
+        """Return spans of whole steps, and empty ones where a passage is, in their order."""
+        found, begin, end = [], first, first + count
+        for step in sorted(self._passages.steps) if self._passages else ():
+            if first <= step < end:
+                found += [(begin, step)] * (step > begin) + [(step, step)]
+                begin = step + 1
+        return [*found, *[(begin, end)] * (end > begin)]
+
+    def _follow(self, first: int, count: int, point: tuple[Vector, ...], room: _Stages) -> None:
+        """Take steps and note their stages; of a passage only where it begins."""
+        for begin, end in self._spans(first, count):
+            rows = _rows(room, begin - first, max(end, begin + 1) - first)
+            if end > begin:
+                self._take(begin, end - begin, point, rows)
+                continue
+            rows[0][0], rows[1][0] = point
+            if begin not in self._passed and self._passages:
+                self._passed[begin] = self._passages.taken(begin, *point)
+            passage = self._passed[begin]
+            point[0][:], point[1][:] = passage.state, passage.unknowns
 
     def seeded(self, samples: Samples, seeds: Vector) -> Vector:
         """Return what seeds (n, n_values) of observed values do by the states there."""
@@ -177,3 +243,9 @@ class BackCode:
     def _time(self, step: int) -> float:
         whole, rest = divmod(step, self._grid.per_interval)
         return self._grid.start + self._grid.interval * (whole + rest / self._grid.per_interval)
+
+
+def _rows(stages: _Stages, begin: int, end: int) -> _Stages:
+    """Return those of some steps."""
+    x, z, a = (item[begin * _STAGES : end * _STAGES] for item in stages)
+    return x, z, a

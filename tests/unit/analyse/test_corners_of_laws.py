@@ -5,9 +5,13 @@ import pytest
 from solve_examples import build, symbols
 from test_motion_gradients import followed
 
+from vehicledyn.analyse.gradients.adjoint import figure_adjoint
 from vehicledyn.analyse.gradients.corner_functions import CornerFunctions
+from vehicledyn.analyse.gradients.corner_passages import CornerMissedError, corner_passages
+from vehicledyn.analyse.gradients.key_figures import figure_slope
 from vehicledyn.kernel.engine import Method
-from vehicledyn.kernel.tangent_code import StepRow
+from vehicledyn.kernel.make_kernel import compile_kernel
+from vehicledyn.kernel.tangent_code import StepRow, TangentCode
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Block, with_tables
 from vehicledyn.symbolic.tables import CurveTable
@@ -201,3 +205,33 @@ def test_a_motion_that_begins_at_a_corner_up_to_rounding_does_not_pass_it():
     assert [item.missed for item in rounded.corners] == pytest.approx(
         [item.missed for item in exact.corners], rel=1e-6
     )
+
+
+@pytest.mark.parametrize("kept", [64_000_000, 1])
+def test_adjoints_pass_corners_as_tangents_do(kept, monkeypatch):
+    """With the derivatives of the divided steps, by all parameters and start values."""
+    monkeypatch.setattr("vehicledyn.kernel.back_code._MOST_BYTES", kept)
+    equations = pushed()
+    ahead = followed(equations, STEPS, 16, by_state=[0, 1])
+    kernel, code = compile_kernel(equations), TangentCode(equations, [0], back=True)
+    start = np.array([0.0, 1.0]), np.array([0.0])
+
+    def figure(times, values):
+        found = figure_slope("rms", times, values[:, 0], np.eye(len(times)))
+        return found, found.slope[:, None]
+
+    passages = corner_passages(kernel, code, STEPS, start, ahead.corners)
+    back = figure_adjoint(
+        code,
+        kernel.parameters,
+        STEPS,
+        n_intervals=16,
+        start=start,
+        figure=figure,
+        passages=passages,
+    )
+    expected = figure_slope("rms", ahead.times, ahead.values[:, 0], ahead.slopes[:, 0])
+    found = [*back.by_parameter, *back.by_state]
+    assert found == pytest.approx(expected.slope, rel=1e-11)
+    with pytest.raises(CornerMissedError, match="no adjoint over the corner at t = 0 s"):
+        passages.taken(0, *start)

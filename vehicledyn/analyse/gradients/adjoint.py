@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.analyse.gradients.key_figures import FigureSlope
 from vehicledyn.base.errors import InputError, NumericalError
-from vehicledyn.kernel.back_code import BackCode
+from vehicledyn.kernel.back_code import BackCode, Passages
 from vehicledyn.kernel.engine import Method, Vector
 from vehicledyn.kernel.tangent_code import StepRow, TangentCode
 from vehicledyn.symbolic.equations import Equations
@@ -51,6 +51,7 @@ def figure_adjoint(
     n_intervals: int,
     start: tuple[Vector, Vector],
     figure: Figure,
+    passages: Passages | None = None,
 ) -> FigureAdjoint:
     """Return the derivatives of a figure; those of the start state are by all states alone.
 
@@ -66,6 +67,8 @@ def figure_adjoint(
         States and unknowns at the start.
     figure
         Draws the figure from the samples of the code's channels.
+    passages
+        Steps that are taken in another way, such as those with corners of laws.
 
     Raises
     ------
@@ -81,7 +84,7 @@ def figure_adjoint(
     if not goes_back(code.equations):
         raise InputError(f"adjoints do not follow the events of '{code.equations.name}'")
     constants = code.constants(parameters)
-    back = BackCode(code, grid, constants)
+    back = BackCode(code, grid, constants, passages)
     state, guess = start
     unknowns = code.solved(grid.start, state, guess, constants)
     record = back.record(n_intervals, (state, unknowns))
@@ -96,7 +99,7 @@ def figure_adjoint(
     back.adjoint += by_state[-1]
     back.back(record, by_state)
     slopes = code.constant_slopes(parameters)
-    by_parameter = np.asarray(slopes.T @ back.constants_adjoint)
+    by_parameter = np.asarray(slopes.T @ back.constants_adjoint) + back.passages_adjoint
     return FigureAdjoint(found, by_parameter, back.adjoint.copy(), record.n_bytes)
 
 

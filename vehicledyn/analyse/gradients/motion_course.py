@@ -56,7 +56,8 @@ class TangentCourse:
         self._later: list[tuple[int, PartitionPiece]] = []
         extra = int(bool(piece.kernel.equations.events))
         self._extra = np.zeros(self.n + extra)
-        self._begin(piece, 0, start, np.pad(by_state, ((0, 0), (0, extra))))
+        self._first = np.pad(by_state, ((0, 0), (0, extra)))
+        self._begin(piece, 0, start, self._first)
         if self.watch.ended_by:
             raise NumericalError(f"event '{self.watch.ended_by}' ends the motion at its start")
 
@@ -82,6 +83,11 @@ class TangentCourse:
             grid.method, grid.start, grid.interval, grid.per_interval, state, unknowns, sides=sides
         )
         self.march.step = step
+
+    def passes(self, piece: PartitionPiece, step: int, start: tuple[Vector, Vector]) -> bool:
+        """Return whether a step from some point, with the first tangents, is one with corners."""
+        self._begin(piece, step, start, self._first)
+        return self.corner_steps.ahead(self.march, 1) == 0 and self._over_corners()
 
     def expect(self, later: Sequence[PartitionPiece]) -> None:
         """Take notice of changes of the dependent coordinates.

@@ -14,6 +14,7 @@ from vehicledyn.analyse.gradients.adjoint import (
     figure_adjoint,
     goes_back,
 )
+from vehicledyn.analyse.gradients.corner_passages import CornerMissedError, corner_passages
 from vehicledyn.analyse.gradients.key_figures import FigureSlope, figure_slope, unit_of
 from vehicledyn.analyse.gradients.motion_slopes import MotionSlopes
 from vehicledyn.analyses.preparation.prepared import Progress
@@ -111,7 +112,7 @@ def _figure_back(
     kind, _, channel = name.removesuffix(")").partition("(")
     study = MotionStudy.of(loaded, [channel], progress, back=True, memory=memory)
     course = study.changes()
-    if (course is not None and course.changes) or study.plain(progress).corners:
+    if course is not None and course.changes:
         return _figures_ahead(loaded, ([name], [channel]), to, progress, memory)
     e, kernel = study.prepared.equations, study.prepared.kernel
     chosen = directions(e, kernel.parameters, study.start.state, to)
@@ -122,14 +123,22 @@ def _figure_back(
 
     progress("following the motion back", None)
 
+    plain = study.plain(progress)
+
     def find() -> FigureAdjoint | None:
         start = study.start.state, study.start.unknowns
         given = kernel.parameters, study.grid
+        passages = corner_passages(kernel, study.code, study.grid, start, plain.corners)
         try:
             return figure_adjoint(
-                study.code, *given, n_intervals=study.n_intervals, start=start, figure=figure
+                study.code,
+                *given,
+                n_intervals=study.n_intervals,
+                start=start,
+                figure=figure,
+                passages=passages if plain.corners else None,
             )
-        except EventPassedError:
+        except (EventPassedError, CornerMissedError):
             return None
 
     found = memory.recall_or_raise("adjoint", name, find)
@@ -144,6 +153,7 @@ def _figure_back(
     notes = [
         *study.notes,
         f"found by adjoints; {found.n_bytes / 1e6:.1f} MB of steps kept",
+        *divided_steps(plain),
         *unsure,
         *bent_beams_of(study),
     ]
