@@ -163,6 +163,21 @@ def test_peaks_of_an_oscillator_and_what_moves_them(tmp_path):
     assert slopes[1] == pytest.approx(by_whole / (2.0 * math.pi), rel=1e-9)
 
 
+def test_parts_of_a_response_are_those_of_its_gain_and_phase(tmp_path):
+    """With derivatives: H = g e^{iφ}."""
+    path = tmp_path / "oscillator.yaml"
+    path.write_text(OSCILLATOR, encoding="utf-8")
+    kinds = ("gain", "phase", "real", "imaginary")
+    of = [f"{kind}({HEIGHT}, {FORCE}, 1.5 Hz)" for kind in kinds]
+    found = vd.sensitivity(path, of, "mass")
+    gain, phase, *parts = found["figure_value"].values
+    by_gain, by_phase, *slopes = found["figure_slope"].values[:, 0]
+    turn = np.exp(1j * phase)
+    assert complex(*parts) == pytest.approx(gain * turn, rel=1e-12)
+    expected = (by_gain + 1j * gain * by_phase) * turn
+    assert complex(*slopes) == pytest.approx(expected, rel=1e-12)
+
+
 def test_a_range_of_frequencies_is_as_many_figures(tmp_path):
     path = tmp_path / "oscillator.yaml"
     path.write_text(OSCILLATOR, encoding="utf-8")

@@ -17,7 +17,7 @@ CYCLE_WORDS = {
 }
 CYCLE_FIGURE = re.compile(rf"({'|'.join(CYCLE_WORDS)})\((.+)\)")
 
-_RESPONSE = re.compile(r"(gain|phase|peak_gain|peak_frequency)\(.*\)")
+_RESPONSE = re.compile(r"(gain|phase|real|imaginary|peak_gain|peak_frequency)\(.*\)")
 
 
 def is_linear(name: str) -> bool:

@@ -1,4 +1,4 @@
-"""Derivatives of gains, phases and peaks of models linearised with inputs."""
+"""Derivatives of gains, phases, parts and peaks of models linearised with inputs."""
 
 from __future__ import annotations
 
@@ -24,7 +24,8 @@ from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.results.tables.response_table import ratio_unit
 from vehicledyn.results.tables.sensitivity_table import SensitivityTable
 
-_NAME = re.compile(r"(gain|phase|peak_gain|peak_frequency)\(([^,]+),(.+),([^,]+)\)")
+_KINDS = "gain|phase|real|imaginary|peak_gain|peak_frequency"
+_NAME = re.compile(rf"({_KINDS})\(([^,]+),(.+),([^,]+)\)")
 
 
 class _Asked(NamedTuple):
@@ -61,8 +62,8 @@ def find_response_sensitivity(
         A scenario or model.
     of
         Names such as ``gain(OUTPUT, INPUT, 1.5 Hz)``, ``phase(OUTPUT, INPUT, 1 Hz:5 Hz:8)``, whose
-        range stands for several frequencies, ``peak_gain(OUTPUT, INPUT, 0.5 Hz:3 Hz)`` and
-        ``peak_frequency(...)``.
+        range stands for several frequencies, ``real(...)`` and ``imaginary(...)`` alike,
+        ``peak_gain(OUTPUT, INPUT, 0.5 Hz:3 Hz)`` and ``peak_frequency(...)``.
     to
         Patterns of parameters.
     speed
@@ -135,15 +136,19 @@ def _figures(
         given = kind, row, column, frequency
         value, slope = memory.recall_or_raise("figure", given, partial(_figure, slopes, *given))
         label = name if len(frequencies) == 1 else f"{kind}({output}, {which}, {frequency:g} Hz)"
-        text = f"{kind.capitalize()} of {output} to {which} at {frequency:g} Hz"
+        words = f"{kind} part" if kind in ("real", "imaginary") else kind
+        text = f"{words.capitalize()} of {output} to {which} at {frequency:g} Hz"
         yield Quantity(label, "rad" if kind == "phase" else unit, text), value, slope
 
 
 def _figure(
     slopes: InputSlopes, kind: str, row: int, column: int, frequency: float
 ) -> tuple[float, np.typing.NDArray[np.float64]]:
-    """Return a gain or a phase [rad]: of d(ln H) the real and the imaginary part."""
+    """Return a part, or a gain or a phase [rad]: of d(ln H) the real and the imaginary part."""
     value, slope = slopes.response(column, row, frequency)
+    if kind in ("real", "imaginary"):
+        both = (value.real, slope.real) if kind == "real" else (value.imag, slope.imag)
+        return float(both[0]), np.array(both[1])
     if value == 0.0:
         missing = np.full(len(slope), np.nan)
         return 0.0 if kind == "gain" else np.nan, missing
@@ -164,7 +169,7 @@ def _parsed(name: str) -> _Asked:
     match = _NAME.fullmatch(name)
     if match is None:
         raise InputError(
-            f"'{name}': write gain(OUTPUT, INPUT, 1.5 Hz), phase(...) alike, or "
+            f"'{name}': write gain(OUTPUT, INPUT, 1.5 Hz), phase, real or imaginary alike, or "
             "peak_gain(OUTPUT, INPUT, 0.5 Hz:3 Hz)"
         )
     try:

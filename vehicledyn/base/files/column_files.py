@@ -99,6 +99,20 @@ def read_columns(path: Path, known: Mapping[str, ColumnKind], *, is_open: bool =
     return columns
 
 
+def stated_units(path: Path) -> dict[str, str]:
+    """Return the units that the head of a file states, by column.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read.
+    """
+    texts = (line.partition("#")[0] for line in _lines(path))
+    head = next((text for text in texts if text.strip()), "")
+    separator = next((s for s in ";\t," if s in head), ",")
+    return {name: unit for name, unit in _heads(head, separator) if unit is not None}
+
+
 def _taken(
     columns: Columns,
     line: int,

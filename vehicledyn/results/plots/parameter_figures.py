@@ -32,7 +32,9 @@ def identification_figures(table: IdentificationTable) -> Iterator[tuple[str, Fi
         lower.plot(time, table.residual[chosen], ".", color=PALETTE[0])
         upper.set_ylabel(axis_label(plain(signal.name), signal.unit))
         lower.set_ylabel(axis_label("Residual by noise", "1"))
-        lower.set_xlabel(axis_label("Time", "s"))
+        over = table.over[number] if number < len(table.over) else "time [s]"
+        name, _, unit = over.rstrip("]").partition(" [")
+        lower.set_xlabel(axis_label(plain(name.capitalize()), unit or "1"))
         upper.legend(loc="best")
         for axes in (upper, lower):
             axes.grid(visible=True)

@@ -31,7 +31,8 @@ class IdentificationTable:
 
     ``start``, ``value``, ``low`` and ``high`` of the 95 % intervals (n,); ``covariance`` (n, n);
     ``signals`` that were measured, and for each of their samples ``signal`` (n_samples,), which of
-    them it belongs to, ``time`` [s], ``measured``, ``fitted`` and ``residual`` in noise deviations.
+    them it belongs to, ``time`` [s], or where on a curve, ``measured``, ``fitted`` and
+    ``residual`` in noise deviations.
     """
 
     title: str
@@ -52,6 +53,8 @@ class IdentificationTable:
     fitted: Any
     residual: Any
     notes: tuple[str, ...]
+    over: tuple[str, ...] = ()
+    """What the samples of each signal are measured over, such as ``time [s]``, with its unit."""
 
 
 _BY_PARAMETER = {
@@ -62,7 +65,7 @@ _BY_PARAMETER = {
 }
 _BY_SAMPLE = {
     "signal": ("1", "Signal that the sample belongs to, from zero"),
-    "time": ("s", "Time"),
+    "time": ("as over", "Time, or place on a curve"),
     "measured": ("as signal", "Measured value"),
     "fitted": ("as signal", "Value of the model"),
     "residual": ("1", "Model less measurement, by the deviation of the noise"),
@@ -100,6 +103,7 @@ def write_identification(path: Path, table: IdentificationTable) -> None:
         for name, about in _BY_SAMPLE.items():
             write_numbers(file, f"sample_{name}", getattr(table, name), (sample,), about)
         write_texts(file, "notes", table.notes)
+        write_texts(file, "over", table.over)
 
 
 def read_identification(path: Path) -> IdentificationTable:
@@ -129,6 +133,7 @@ def read_identification(path: Path) -> IdentificationTable:
             whiteness=float(file.attrs["whiteness"]),
             signals=read_quantities(file, "signals"),
             notes=tuple(read_texts(file, "notes")),
+            over=tuple(read_texts(file, "over")) if "over" in file else (),
             **numbers,
         )
 

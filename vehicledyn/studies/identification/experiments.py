@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,8 +24,15 @@ from vehicledyn.studies.mistakes import Mistakes
 
 if TYPE_CHECKING:
     from vehicledyn.studies.identification.identified import Unknowns
+    from vehicledyn.studies.identification.measured_figures import MeasuredFigures
 
 Floats = NDArray[np.float64]
+
+TIME = "time [s]"
+"""What signals are measured over."""
+
+_COARSE = 0.1
+"""Part of the noise that samples may miss between them without a warning."""
 
 
 @dataclass(frozen=True)
@@ -54,11 +61,32 @@ class MeasuredChannel:
 
 @dataclass(frozen=True)
 class Experiment:
-    """A scenario and what was measured of it."""
+    """A scenario and what was measured of it: channels, and figures of it."""
 
     name: str
     loaded: LoadedScenario
     measured: tuple[MeasuredChannel, ...]
+    figures: tuple[MeasuredFigures, ...] = ()
+
+    @property
+    def n_samples(self) -> int:
+        """Number of measured values."""
+        count = sum(len(item.times) for item in self.measured)
+        return count + sum(len(item.values) for group in self.figures for item in group.items)
+
+
+class SampleFit(NamedTuple):
+    """How a signal or figure was measured and fitted at ``places`` (m,), with its residuals.
+
+    ``over`` says what the places are, and in which unit, such as ``time [s]``.
+    """
+
+    about: Quantity
+    over: str
+    places: Floats
+    measured: Floats
+    fitted: Floats
+    residuals: Floats
 
 
 @dataclass(frozen=True)
@@ -82,16 +110,6 @@ class Fitting:
         channels = list(dict.fromkeys(item.channel for item in experiment.measured))
         study = MotionStudy.of(experiment.loaded, channels, progress)
         return Fitting(experiment, study, runs, progress)
-
-    @property
-    def n_samples(self) -> int:
-        """Number of measured samples."""
-        return sum(len(item.times) for item in self.experiment.measured)
-
-    def quantity(self, channel: str) -> Quantity:
-        """Return name, unit and meaning of a channel."""
-        about = {c.name: c for c in self.study.prepared.equations.channels}[channel]
-        return Quantity(about.name, about.unit, about.description)
 
     def values(self, unknowns: Unknowns, point: Floats) -> tuple[list[Floats], list[Floats]]:
         """Return the model's values at the samples of each signal, and their slopes.
@@ -126,7 +144,30 @@ class Fitting:
         rows = [slope / s.noise for slope, s in zip(slopes, signals, strict=True)]
         return np.concatenate(missed), np.vstack(rows)
 
-    def unconfirmed(self, unknowns: Unknowns, point: Floats) -> list[str]:
+    def fits(self, unknowns: Unknowns, point: Floats) -> list[SampleFit]:
+        """Return the fit of every sample, signal by signal."""
+        channels = {c.name: c for c in self.study.prepared.equations.channels}
+        found = []
+        for item, own in zip(
+            self.experiment.measured, self.values(unknowns, point)[0], strict=True
+        ):
+            about = channels[item.channel]
+            quantity = Quantity(about.name, about.unit, about.description)
+            missed = (own - item.values) / item.noise
+            found.append(SampleFit(quantity, TIME, item.times, item.values, own, missed))
+        return found
+
+    def warnings_at(self, unknowns: Unknowns, point: Floats) -> list[str]:
+        """Return what is to be known of the run at a point."""
+        missed, notes = self._missed_between_samples(unknowns, point), []
+        if missed > _COARSE:
+            notes.append(
+                f"warning: straight lines between samples of {self.experiment.loaded.title} miss "
+                f"up to {missed:.2g} of the noise; give it a smaller output.interval"
+            )
+        return [*notes, *self.study.notes, *self._unconfirmed(unknowns, point)]
+
+    def _unconfirmed(self, unknowns: Unknowns, point: Floats) -> list[str]:
         """Return warnings of derivatives that differences of runs do not confirm."""
         own = self.study.moved(dict(zip(unknowns.names, map(float, point), strict=True)))
         e, parameters = own.prepared.equations, own.prepared.kernel.parameters
@@ -135,7 +176,7 @@ class Fitting:
         judged = dict.fromkeys(names.index(item.channel) for item in self.experiment.measured)
         return unconfirmed(own, chosen, own.followed(chosen, self.progress), list(judged))
 
-    def missed_between_samples(self, unknowns: Unknowns, point: Floats) -> float:
+    def _missed_between_samples(self, unknowns: Unknowns, point: Floats) -> float:
         """Return what straight lines between the run's samples miss, in deviations of the noise.
 
         From what they miss with every other sample, a quarter of which is left with all of them.
@@ -179,11 +220,6 @@ class Fitting:
             "values": {name: motion.values[:, k].tolist() for name, k in places.items()},
             "slopes": {name: motion.slopes[:, k].ravel().tolist() for name, k in places.items()},
         }
-
-
-def words_on_gaps(count: int) -> str:
-    """Return words on samples that are left out."""
-    return "1 gap is left out" if count == 1 else f"{count} gaps are left out"
 
 
 def check_measured(mistakes: Mistakes, experiment: Experiment) -> None:

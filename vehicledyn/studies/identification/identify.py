@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,20 +22,19 @@ from vehicledyn.studies.identification.experiments import (
     Fitting,
     MeasuredChannel,
     check_measured,
-    words_on_gaps,
 )
+from vehicledyn.studies.identification.figure_fitting import FigureFitting
 from vehicledyn.studies.identification.identified import Unknowns
+from vehicledyn.studies.identification.measured_data import words_on_gaps
 from vehicledyn.studies.known_names import KnownNames
 from vehicledyn.studies.mistakes import Mistakes
 
 Floats = NDArray[np.float64]
+AnyFitting: TypeAlias = Fitting | FigureFitting
 
 _WHITE, _SMALL = 4.0, 0.01
 """Largest autocorrelation of white residuals in their errors, and the variance, in that of the
 noise, of residuals too small to matter."""
-
-_COARSE = 0.1
-"""Part of the noise that samples may miss between them without a warning."""
 
 
 @dataclass(frozen=True)
@@ -161,7 +160,7 @@ def identify_from(
         unknowns = checked_unknowns(mistakes, experiments, parameters, held_out, known)
         mistakes.refuse()
     runs = runs or Memory(Shelf())
-    fittings = [Fitting.of(item, runs, progress) for item in experiments]
+    fittings = [part for item in experiments for part in _fittings(item, runs, progress)]
     chosen = [item for item in fittings if item.experiment.name not in held_out]
 
     def residuals(point: Floats) -> tuple[Floats, Floats]:
@@ -170,11 +169,11 @@ def identify_from(
         return np.concatenate([part[0] for part in parts]), np.vstack([part[1] for part in parts])
 
     found = estimate(residuals, start=unknowns.start, bounds=(unknowns.low, unknowns.high))
-    others = [item for item in fittings if item.experiment.name in held_out]
-    foretold = [
-        (item.experiment.name, _root_mean_square(item.residuals(unknowns, found.values)[0]))
-        for item in others
-    ]
+    others: dict[str, list[Floats]] = {}
+    for item in fittings:
+        if (name := item.experiment.name) in held_out:
+            others.setdefault(name, []).append(item.residuals(unknowns, found.values)[0])
+    foretold = [(name, _root_mean_square(np.concatenate(parts))) for name, parts in others.items()]
     notes = [
         f"held out: {name}, residuals {size:.3g} of the noise given" for name, size in foretold
     ]
@@ -183,6 +182,14 @@ def identify_from(
     return IdentificationReport(
         title, unknowns.names, unknowns.units, found, table, foretold, n_known=runs.n_known
     )
+
+
+def _fittings(experiment: Experiment, runs: Memory, progress: Progress) -> Iterator[AnyFitting]:
+    """Yield what fits the signals of an experiment, and each group of its figures."""
+    if experiment.measured:
+        yield Fitting.of(experiment, runs, progress)
+    for number, group in enumerate(experiment.figures):
+        yield FigureFitting(experiment, number, group, runs, progress)
 
 
 def checked_unknowns(
@@ -201,7 +208,7 @@ def checked_unknowns(
         check_measured(mistakes, item)
     unknowns = Unknowns.of(mistakes, parameters, known)
     fitted = [item for item in experiments if item.name not in held_out]
-    count = sum(len(signal.times) for item in fitted for signal in item.measured)
+    count = sum(item.n_samples for item in fitted)
     if experiments and not fitted:
         mistakes.wrong(("hold_out",), "all experiments are held out; leave one or more to fit")
     elif not mistakes.problems and count <= len(parameters):
@@ -218,21 +225,20 @@ def _table(
     title: str,
     unknowns: Unknowns,
     found: Estimate,
-    fittings: list[Fitting],
+    fittings: list[AnyFitting],
     notes: Sequence[str],
 ) -> IdentificationTable:
     """Return the result with the fit of every sample."""
     signals: list[Quantity] = []
+    over: list[str] = []
     rows: list[Floats] = []
     for item in fittings:
-        values = item.values(unknowns, found.values)[0]
-        for signal, model in zip(item.experiment.measured, values, strict=True):
-            name = f"{item.experiment.name}/{signal.channel}".removeprefix("/")
-            about = item.quantity(signal.channel)
-            which = np.full(len(model), float(len(signals)))
-            signals.append(Quantity(name, about.unit, about.description))
-            missed = (model - signal.values) / signal.noise
-            rows.append(np.stack([which, signal.times, signal.values, model, missed]))
+        for fit in item.fits(unknowns, found.values):
+            name = f"{item.experiment.name}/{fit.about.name}".removeprefix("/")
+            which = np.full(len(fit.places), float(len(signals)))
+            signals.append(replace(fit.about, name=name))
+            over.append(fit.over)
+            rows.append(np.stack([which, *fit[2:]]))
     number, time, measured, fitted, residual = np.hstack(rows)
     return IdentificationTable(
         title,
@@ -253,10 +259,11 @@ def _table(
         fitted,
         residual,
         tuple(notes),
+        tuple(over),
     )
 
 
-def _notes(unknowns: Unknowns, found: Estimate, fittings: list[Fitting]) -> list[str]:
+def _notes(unknowns: Unknowns, found: Estimate, fittings: list[AnyFitting]) -> list[str]:
     """Return what a reader of the result must know of it."""
     names = unknowns.names
     notes = failure_notes(found.failures)
@@ -270,11 +277,5 @@ def _notes(unknowns: Unknowns, found: Estimate, fittings: list[Fitting]) -> list
     for k in unknowns.at_bound(found.values):
         notes.append(f"warning: '{names[k]}' lies at its bound; its interval means little")
     for item in fittings:
-        missed = item.missed_between_samples(unknowns, found.values)
-        if missed > _COARSE:
-            notes.append(
-                f"warning: straight lines between samples of {item.experiment.loaded.title} miss "
-                f"up to {missed:.2g} of the noise; give it a smaller output.interval"
-            )
-        notes += [*item.study.notes, *item.unconfirmed(unknowns, found.values)]
+        notes += item.warnings_at(unknowns, found.values)
     return list(dict.fromkeys(notes))

@@ -32,6 +32,11 @@ class MeasuredSignal:
     lag: float
 
 
+def words_on_gaps(count: int) -> str:
+    """Return words on samples that are left out."""
+    return "1 gap is left out" if count == 1 else f"{count} gaps are left out"
+
+
 def read_signals(
     path: Path, time: str, signals: Sequence[MeasuredSignal]
 ) -> list[tuple[Floats, Floats]]:

@@ -20,7 +20,6 @@ from vehicledyn.results.hdf5.kept_work import KeptWork
 from vehicledyn.studies.identification.experiments import (
     Experiment,
     MeasuredChannel,
-    words_on_gaps,
 )
 from vehicledyn.studies.identification.identified import Unknowns
 from vehicledyn.studies.identification.identify import (
@@ -29,7 +28,12 @@ from vehicledyn.studies.identification.identify import (
     identify_from,
 )
 from vehicledyn.studies.identification.low_pass import MOST_ORDER, LowPass
-from vehicledyn.studies.identification.measured_data import MeasuredSignal, read_signals
+from vehicledyn.studies.identification.measured_data import (
+    MeasuredSignal,
+    read_signals,
+    words_on_gaps,
+)
+from vehicledyn.studies.identification.measured_figures import MeasuredFigures, read_figures
 from vehicledyn.studies.known_names import KnownNames
 from vehicledyn.studies.mistakes import silent
 from vehicledyn.studies.study_form import StudyForm
@@ -38,7 +42,7 @@ Floats = NDArray[np.float64]
 
 _REQUIRED = ("experiments", "parameters")
 _OPTIONAL = ("title", "hold_out")
-_EXPERIMENT = ("scenario", "set", "data", "time", "signals")
+_EXPERIMENT = ("scenario", "set", "data", "time", "signals", "figures")
 _SIGNAL = ("column", "unit", "noise", "lag", "low_pass", "order")
 
 
@@ -113,7 +117,7 @@ def load_identification(
         If anything in the study or its data is wrong; all problems are listed.
     """
     form = StudyForm.read(path, required=_REQUIRED, optional=_OPTIONAL)
-    given = dict(form.entries(("experiments",), _EXPERIMENT, ("scenario", "data", "signals")))
+    given = dict(form.entries(("experiments",), _EXPERIMENT, ("scenario",)))
     parameters = dict(form.entries(("parameters",), needed=("from", "to")))
     held_out = _held_out(form, given)
     experiments, texts, notes = [], [form.document.text], list[str]()
@@ -129,13 +133,19 @@ def load_identification(
         )
         if loaded is None:
             continue
+        data = _data(form, where, item)
         with form.mistakes.at(*where, "scenario"):
-            known.append((loaded, KnownNames.of(loaded, progress)))
-            measured, lost = _measured(form, name, item, known[-1][1])
-            experiments.append(Experiment(name, loaded, measured))
+            figures, lost = read_figures(form, where, loaded, data, progress)
+            notes += lost
+            own = _known(loaded, figures, is_run="signals" in item, progress=progress)
+            measured, lost = _measured(form, where, item, data, own)
+            notes += lost
+            known.append((loaded, own))
+            experiments.append(Experiment(name, loaded, measured, figures))
             texts += [loaded.text, repr(loaded.overrides)]
             texts.append(repr([m.values.tobytes() for m in measured]))
-            notes += lost
+            measurements = [m for group in figures for m in group.items]
+            texts.append(repr([(m.figures, m.values.tobytes()) for m in measurements]))
     unknowns = None
     if known:
         unknowns = checked_unknowns(form.mistakes, experiments, parameters, held_out, known)
@@ -158,14 +168,44 @@ def _held_out(form: StudyForm, known: dict[str, Any]) -> list[str]:
     return [str(name) for name in names]
 
 
+def _data(form: StudyForm, where: Place, item: dict[str, Any]) -> Path | None:
+    """Return the file of an experiment's data, None if it has none; what is wrong is noted."""
+    if not {"signals", "figures"} & set(item):
+        form.wrong(where, "needs signals, figures or both")
+    if "data" not in item:
+        if "signals" in item:
+            form.wrong(where, "needs data")
+        return None
+    data = form.path.parent / str(item["data"])
+    try:
+        check_regular(data)
+    except UnreadableFileError as error:
+        form.wrong((*where, "data"), f"'{item['data']}' beside the study: {error.words}")
+        return None
+    return data
+
+
+def _known(
+    loaded: LoadedScenario,
+    figures: Sequence[MeasuredFigures],
+    *,
+    is_run: bool,
+    progress: Progress,
+) -> KnownNames:
+    """Return what names of an experiment mean; one without a run has no channels and starts."""
+    if is_run or not figures:
+        return KnownNames.of(loaded, progress)
+    parameters = {name: own for group in figures for name, own in group.of.parameters.items()}
+    return KnownNames(figures[0].of.model, parameters, {}, {})
+
+
 def _measured(
-    form: StudyForm, name: str, item: dict[str, Any], known: KnownNames
+    form: StudyForm, where: Place, item: dict[str, Any], data: Path | None, known: KnownNames
 ) -> tuple[tuple[MeasuredChannel, ...], list[str]]:
     """Return the measured channels of an experiment, and remarks on their gaps.
 
     What is wrong with them is noted.
     """
-    where: Place = ("experiments", name)
     signals, filters = [], dict[str, LowPass | None]()
     for channel, entry in form.entries((*where, "signals"), _SIGNAL, ("noise",)):
         place: Place = (*where, "signals", channel)
@@ -179,11 +219,7 @@ def _measured(
             if count == len(form.mistakes.problems):
                 given_unit = entry.get("unit")
                 signals.append(MeasuredSignal(channel, column, unit, given_unit, noise, lag))
-    data = form.path.parent / str(item["data"])
-    try:
-        check_regular(data)
-    except UnreadableFileError as error:
-        form.wrong((*where, "data"), f"'{item['data']}' beside the study: {error.words}")
+    if data is None or not signals:
         return (), []
     time = str(item.get("time", "time"))
     measured, notes = [], []
