@@ -302,6 +302,7 @@ def test_the_report_holds_curves_and_figures(tmp_path):
     report = data.report
     assert report.table.figure("constant_speed.limit") == pytest.approx(7.86, abs=0.05)
     assert "Understeer gradient" in report.as_text()
+    assert "under equal curvature the methods compare" in report.as_text()
     assert report.as_dict()["cars"][0]["model"] == "small_car"
 
 

@@ -133,6 +133,7 @@ def steady_sheets(solver: SteadyTurn, wish: SteadyRequest, progress: Progress) -
     figures += equal_curvature_figures(
         solver, radius, wish.radius, first=GRADIENT_FROM, last=GRADIENT_UP_TO
     )
+    notes += _unlike_methods(figures)
     progress("finding modes along lateral acceleration", None)
     sheets["modes"], found = _modes(solver, speed)
     figures += found
@@ -189,6 +190,23 @@ def _radii(test: str, curve: SteadyCurve) -> Iterator[KeyFigure]:
             radius = 1.0 / float(np.interp(at, lateral, curve.values["curvature"]))
             words = f"Radius of the circle at {at:g} m/s^2"
             yield KeyFigure(test, f"radius_at_{at:g}", radius, "m", words)
+
+
+def _unlike_methods(figures: list[KeyFigure]) -> Iterator[str]:
+    """Yield why the gradients of the three tests differ, and which ones compare."""
+    known = {(f.test, f.name): f.value for f in figures}
+    apart = known.get(("equal_curvature", "difference"))
+    tests = ("constant_speed", "constant_radius", "constant_steering")
+    slopes = [known.get((test, "understeer_gradient"), np.nan) for test in tests]
+    if apart is None or not np.isfinite(slopes).all():
+        return
+    own = float(np.ptp(slopes) / np.abs(slopes).max())
+    yield (
+        f"understeer gradients of the three methods differ by {100.0 * own:.2g} %, since tests at "
+        "constant speed and with the wheel held change their circle on the way and gradients "
+        "depend on curvature; side-slip angles change with the circle itself, too; under equal "
+        f"curvature the methods compare, there they differ by {100.0 * apart:.2g} %"
+    )
 
 
 def _modes(solver: SteadyTurn, curve: SteadyCurve) -> tuple[Sheet, list[KeyFigure]]:
