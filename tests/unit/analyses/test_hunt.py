@@ -104,7 +104,7 @@ def test_what_was_found_is_kept(tmp_path, monkeypatch, error, status):
     """Ctrl-C on the way, or a branch that is lost, leaves the cycles before in the file."""
     follow = hunt_study.follow_cycles
 
-    def cut(model, start, direction, limits, *, branch, told, upwards):
+    def cut(model, start, direction, limits, *, branch, report, upwards):
         def stop(point):
             if len(branch.points) == 6:
                 raise error
@@ -386,9 +386,9 @@ def test_branches_that_lead_off_may_be_left_out(tmp_path):
 def test_stopped_on_a_branch_that_leads_off(tmp_path, monkeypatch):
     follow = hunt_study.follow_cycles
 
-    def cut(*args, told, **more):
+    def cut(*args, report, **more):
         def stop(point):
-            told(point)
+            report(point)
             if more["branch"] is not first and len(more["branch"].points) == 3:
                 raise KeyboardInterrupt
 
