@@ -137,7 +137,7 @@ def load_identification(
         with form.mistakes.at(*where, "scenario"):
             figures, lost = read_figures(form, where, loaded, data, progress)
             notes += lost
-            own = _known(loaded, figures, is_run="signals" in item, progress=progress)
+            own = _known(loaded, figures, is_run=bool(item.get("signals")), progress=progress)
             measured, lost = _measured(form, where, item, data, own)
             notes += lost
             known.append((loaded, own))
@@ -170,10 +170,10 @@ def _held_out(form: StudyForm, known: dict[str, Any]) -> list[str]:
 
 def _data(form: StudyForm, where: Place, item: dict[str, Any]) -> Path | None:
     """Return the file of an experiment's data, None if it has none; what is wrong is noted."""
-    if not {"signals", "figures"} & set(item):
+    if not (item.get("signals") or item.get("figures")):
         form.wrong(where, "needs signals, figures or both")
     if "data" not in item:
-        if "signals" in item:
+        if item.get("signals"):
             form.wrong(where, "needs data")
         return None
     data = form.path.parent / str(item["data"])
