@@ -18,7 +18,7 @@ class Clock:
         """Note in the process when it first asks for a step, misses one, and last keeps one."""
         from vehicledyn.results.hdf5.checkpoint import Checkpoint
 
-        times, get = self._times, Checkpoint.get
+        times, get, put = self._times, Checkpoint.get, Checkpoint.put
 
         def asked(checkpoint, key):
             times[_ASKED] = times[_ASKED] or time.process_time()
@@ -27,15 +27,11 @@ class Clock:
                 times[_MISSED] = times[_MISSED] or time.process_time()
             return found
 
-        def noting(put):
-            def kept(checkpoint, key, data):
-                put(checkpoint, key, data)
-                times[_KEPT] = time.process_time()
+        def kept(checkpoint, key, data):
+            put(checkpoint, key, data)
+            times[_KEPT] = time.process_time()
 
-            return kept
-
-        Checkpoint.get = asked
-        Checkpoint.put, Checkpoint.put_alone = map(noting, (Checkpoint.put, Checkpoint.put_alone))
+        Checkpoint.get, Checkpoint.put = asked, kept
 
     def lost(self, seconds):
         """Return what a process computed in vain that was killed after some seconds [s]."""

@@ -56,9 +56,6 @@ for _old, _new in (
     ("most_iterations: 4", "most_iterations: 200"),
 ):
     SWING = SWING.replace(_old, _new)
-FOUND = ("--relative", "1e-3", *(word for name in ("control_value", "state_value", "time")
-                                 for word in ("--channel", name)))  # fmt: skip
-"""How close the motion is to the one of a search in one piece; its steps are others."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +63,6 @@ class Victim:
     """A command, the file it writes, how it goes on with what a kill left, further files.
 
     ``codes`` are the exit codes of the whole: a search for a motion may end without an optimum.
-    ``close`` are the bounds of what a search may find that goes on from where it was;
     ``by_others`` says that other processes compute for it.
     """
 
@@ -76,7 +72,6 @@ class Victim:
     go_on: list = field(default_factory=list)
     beside: tuple = ()
     codes: tuple = (0, 1)
-    close: tuple = ()
     by_others: bool = False
 
 
@@ -121,7 +116,7 @@ VICTIMS = [
     Victim("optimise", ["optimise", "best.yaml", "-o", "o.h5"], "o.h5", ["--resume"]),
     Victim(
         "optimise-manoeuvre", ["optimise-manoeuvre", "swing.yaml", "-o", "w.h5"], "w.h5",
-        ["--resume"], close=FOUND,
+        ["--resume"],
     ),
     Victim("linearise", ["linearise", "short.yaml", "-u", "force:upper.angle", "-y", "upper.angle",
                          "-o", "l.npz"], "l.npz"),
@@ -345,7 +340,7 @@ class Campaign:
             yield f"leaves {left} and lacks {missing} when it has gone on"
         if path.suffix == ".h5":
             shutil.copy(whole, folder / "whole.h5")
-            if start(folder, ["compare", path.name, "whole.h5", *victim.close]).wait():
+            if start(folder, ["compare", path.name, "whole.h5"]).wait():
                 yield "differs from a run in one piece"
 
     def _twice(self, victim, lost, clock):

@@ -8,9 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-import math
 import struct
-import time
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import fields, is_dataclass
@@ -23,8 +21,6 @@ from vehicledyn.base.errors import NumericalError
 T = TypeVar("T")
 
 _SIZE = struct.Struct("<I")
-_PAUSE = 1.0
-"""Shortest time between two notes [s]."""
 _CONTAINERS: dict[str, Callable[[Iterable[Any]], Any]] = {
     "tuple": tuple,
     "list": list,
@@ -42,19 +38,11 @@ class Store(Protocol):
     def put(self, key: bytes, data: bytes) -> None:
         """Keep something."""
 
-    def put_alone(self, key: bytes, data: bytes) -> None:
-        """Keep something in place of all that was kept before."""
-
 
 class Shelf(dict[bytes, bytes]):
     """Keeps results as long as the process lives."""
 
     put = dict.__setitem__
-
-    def put_alone(self, key: bytes, data: bytes) -> None:
-        """Keep something in place of all that was kept before."""
-        self.clear()
-        self[key] = data
 
 
 class Memory:
@@ -75,7 +63,6 @@ class Memory:
     ) -> None:
         self._store, self._kinds = store, {kind.__name__: kind for kind in kinds}
         self.n_known = n_known
-        self._noted_at = -math.inf
 
     def recall(self, name: str, given: Any, compute: Callable[[], T]) -> T:
         """Return the result of a step, from the store if it is there.
@@ -119,20 +106,6 @@ class Memory:
         if error:
             raise kind(error)
         return result  # type: ignore[no-any-return]
-
-    def note(self, name: str, value: Callable[[], Any]) -> None:
-        """Keep how far a search has come, at most once a second, in place of what was kept."""
-        now = time.monotonic()
-        if self._store is not None and now >= self._noted_at + _PAUSE:
-            self._store.put_alone(digest(name), encode(value()))
-            self._noted_at = now
-
-    def noted(self, name: str) -> Any:
-        """Return how far a search had come, None if nothing was kept of it."""
-        data = None if self._store is None else self._store.get(digest(name))
-        with suppress(*_UNREADABLE):
-            return None if data is None else self._decoded(data)
-        return None
 
     def _decoded(self, data: bytes) -> Any:
         return decode(data, self._kinds)

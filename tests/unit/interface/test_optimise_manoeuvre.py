@@ -1,5 +1,6 @@
 """Optimal manoeuvres against closed forms, and what is refused."""
 
+import contextlib
 import math
 
 import numpy as np
@@ -9,6 +10,7 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial import cKDTree
 
 import vehicledyn as vd
+from vehicledyn.analyse.optimal_control import solve
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.studies.manoeuvre_optimisation.file import load_manoeuvre
 
@@ -218,24 +220,67 @@ def test_what_cannot_be_done_in_time_fails_and_is_kept(tmp_path):
     assert np.isnan(kept["state_simulated"].values).all()
 
 
-def test_a_stopped_search_goes_on_from_its_last_iterate(tmp_path):
-    path, out = study(tmp_path, PUSH), tmp_path / "out.h5"
+DRY = (
+    CART
+    + """\
+forces:
+  dry: {coordinate: cart.place, force: "-min(1 N, max(-1 N, 1e3 N*s/m * cart.place_rate))"}
+"""
+)
+
+
+@pytest.mark.long
+def test_a_search_that_is_stopped_again_and_again_finds_the_same(tmp_path, monkeypatch):
+    """It is stopped behind each mesh, the last time while the motion is simulated."""
+    text = PUSH.replace(
+        "intervals: 10", "intervals: 4\nrefinements: 2\naccuracy: 2e-3\nmost_iterations: 60"
+    )
+    path = study(tmp_path, text)
+    (tmp_path / "cart.yaml").write_text(DRY, encoding="utf-8")
+    whole = vd.optimise_manoeuvre(path, save_to=tmp_path / "whole.h5")
+    out, searches, searched = tmp_path / "out.h5", [], solve._searched
+    kept = tmp_path / "out.h5.checkpoint"
 
     def stop(text, _):
-        if text.startswith("iteration 5"):
+        if len(searches) > 1 or (searches and "simulating" in text):
             raise KeyboardInterrupt
 
-    with pytest.raises(KeyboardInterrupt):
-        vd.optimise_manoeuvre(path, save_to=out, progress=stop)
-    kept = tmp_path / "out.h5.checkpoint"
-    assert kept.is_file()
-    found = vd.optimise_manoeuvre(path, save_to=out, resume=True)
-    assert found.attributes["duration"] == pytest.approx(2.0 * math.sqrt(0.5), rel=1e-7)
-    assert any("went on" in note for note in found.notes)
+    def counted(*given):
+        searches.append(given)
+        return searched(*given)
+
+    monkeypatch.setattr(solve, "_searched", counted)
+    for number in range(50):
+        searches.clear()
+        with contextlib.suppress(KeyboardInterrupt):
+            found = vd.optimise_manoeuvre(path, save_to=out, resume=number > 0, progress=stop)
+            break
+        assert kept.is_file() and not out.exists()
+    assert number == 3
     assert not kept.exists()
-    kept.write_bytes(bytes(200))
+    for name in ("state_value", "control_value", "state_simulated", "iteration_objective", "time"):
+        assert np.array_equal(found[name].values, whole[name].values), name
+    assert found.attributes.keys() == whole.attributes.keys()
+    for name in ("duration", "objective", "violation", "simulation_error"):
+        assert found.attributes[name] == whole.attributes[name]
+    assert found.notes == whole.notes
+
+
+def test_a_search_goes_on_along_the_same_path_only(tmp_path):
+    text = PUSH + "path: {file: way.csv, place: [cart.place, cart.place]}\n"
+    path, way = study(tmp_path, text), tmp_path / "way.csv"
+    rows = "x [m], y [m]\n0, 0\n1, 1\n2, 2\n3, 3\n"
+
+    def stop(text, _):
+        if text.startswith("iteration"):
+            raise KeyboardInterrupt
+
+    way.write_text(rows)
+    with pytest.raises(KeyboardInterrupt):
+        vd.optimise_manoeuvre(path, save_to=tmp_path / "out.h5", progress=stop)
+    way.write_text(rows.replace("3, 3", "3, 4"))
     with pytest.raises(InputError, match="belongs to another computation"):
-        vd.optimise_manoeuvre(path, save_to=out, resume=True)
+        vd.optimise_manoeuvre(path, save_to=tmp_path / "out.h5", resume=True)
 
 
 @pytest.mark.long

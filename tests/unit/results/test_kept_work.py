@@ -64,18 +64,6 @@ def test_what_cannot_be_read_is_computed_again(tmp_path, data):
         assert memory.recall("step", 1, lambda: 5) == 5
 
 
-def test_a_note_takes_the_place_of_the_last(tmp_path):
-    sizes = set()
-    for number in range(3):
-        with KeptWork(tmp_path / "y.h5", resume=number > 0) as kept:
-            memory = kept.memory("a search")
-            assert memory.noted("iterate") == (number - 1 if number else None)
-            memory.note("iterate", lambda number=number: number)
-            memory.note("iterate", unexpected)  # within a second
-        sizes.add((tmp_path / "y.h5.checkpoint").stat().st_size)
-    assert len(sizes) == 1
-
-
 @pytest.mark.parametrize("facts", [("b car", 1.5), ("a car", np.nextafter(1.5, 2.0)), ("a car",)])
 def test_another_computation_is_refused(tmp_path, facts):
     with KeptWork(tmp_path / "y.h5") as kept:

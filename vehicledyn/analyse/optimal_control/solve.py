@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
@@ -15,6 +15,7 @@ from vehicledyn.analyse.optimal_control.standstill import Iterate, Standstill, S
 from vehicledyn.analyse.optimal_control.trajectory import Trajectory
 from vehicledyn.analyse.optimal_control.transcription import MotionProgram, PointModel
 from vehicledyn.analyse.optimal_control.whole_program import whole_program
+from vehicledyn.base.step_memory import Memory
 
 Floats = NDArray[np.float64]
 
@@ -66,7 +67,8 @@ class Settings:
     ``tolerance`` is the scaled first-order optimality to reach, ``most_iterations`` how many it may
     take. ``barrier`` is the parameter of the barrier to begin with where the guess is nearly an
     optimum, None where it is not: then it adapts. ``kept_barrier`` is the one at the end: where it
-    is above zero the motion found stays away from its bounds.
+    is above zero the motion found stays away from its bounds. ``memory`` keeps the ends of
+    searches, of kinds :data:`KEPT`.
     """
 
     scales: Floats
@@ -75,9 +77,56 @@ class Settings:
     watch: Watch
     barrier: float | None = None
     kept_barrier: float = 0.0
+    memory: Memory = field(default_factory=Memory)
+
+
+@dataclass(frozen=True)
+class KeptSearch:
+    """The end of a search with what was seen of it.
+
+    ``seen`` are number, objective and violation of each iteration, ``best`` the motion with the
+    least objective among those that keep the constraints, if any.
+    """
+
+    solution: Solution
+    seen: list[tuple[int, float, float]]
+    best: Trajectory | None
+
+
+KEPT = Trajectory, Solution, KeptSearch
 
 
 def solve_on_mesh(model: PointModel, guess: Trajectory, settings: Settings) -> Solution:
+    """Return the optimum of a problem on the mesh of a guess, where the search begins.
+
+    The end of a search that was kept is recalled, and its iterations are shown once more.
+    """
+    is_shown, seen, least = False, list[tuple[int, float, float]](), np.inf
+    best: Trajectory | None = None
+
+    def watch(number: int, objective: float, violation: float, at: Callable[[], Any]) -> None:
+        nonlocal best, least
+        seen.append((number, objective, violation))
+        if violation <= FEASIBLE and objective < least:
+            best, least = at(), objective
+        settings.watch(number, objective, violation, at)
+
+    def searched() -> KeptSearch:
+        nonlocal is_shown
+        is_shown = True
+        return KeptSearch(_searched(model, guess, replace(settings, watch=watch)), seen, best)
+
+    s = settings
+    numbers = s.tolerance, s.most_iterations, s.barrier, s.kept_barrier
+    given = guess, s.scales, numbers, model.width, model.problem.duration
+    kept = s.memory.recall("search", given, searched)
+    for number, objective, violation in [] if is_shown else kept.seen:
+        # of all motions seen only the best one of a search is ever asked for in the end
+        s.watch(number, objective, violation, lambda: kept.best or kept.solution.trajectory)
+    return kept.solution
+
+
+def _searched(model: PointModel, guess: Trajectory, settings: Settings) -> Solution:
     """Return the optimum of a problem on the mesh of a guess, where the search begins.
 
     A search that circles goes on from the motion that it circles about, with a smaller barrier,

@@ -105,16 +105,6 @@ class Checkpoint:
             if not self._is_full:
                 self._put(key, data)
 
-    def put_alone(self, key: bytes, data: bytes) -> None:
-        """Keep a result in place of all others, which stay until it is written."""
-        scratch = self.path.with_name(f".{self.path.name}.new")
-        try:
-            with self._lock, scratch.open("wb") as file:
-                file.write(self._begin + self._record(key, data))
-                scratch.replace(self.path)
-        except OSError:
-            scratch.unlink(missing_ok=True)
-
     @staticmethod
     def _record(key: bytes, data: bytes) -> bytes:
         return _HEAD.pack(key, len(data), zlib.crc32(data, zlib.crc32(key))) + data

@@ -18,6 +18,7 @@ from vehicledyn.analyse.optimal_control.simulated import (
 )
 from vehicledyn.analyse.optimal_control.solve import (
     FEASIBLE,
+    KEPT,
     Settings,
     Solution,
     solve_on_mesh,
@@ -38,7 +39,6 @@ from vehicledyn.symbolic.equations import Channel
 
 Floats = NDArray[np.float64]
 
-_ITERATE = "iterate"
 _STEPS, _LONGEST_STEP = 2000, 5e-3
 """Steps of the check's simulation at least, and its longest step [s], where none is given."""
 
@@ -109,27 +109,24 @@ def run_manoeuvre(study: ManoeuvreStudy, *, kept: KeptWork, progress: Progress) 
     study
         The validated study.
     kept
-        What is kept while it is searched for: the last iterate.
+        What is kept while it is searched for: where each search on a mesh ended.
     progress
         Called with what is going on.
 
     Raises
     ------
     InputError
-        If the study means nothing in its model, or the iterate is that of another study.
+        If the study means nothing in its model, or what was kept is of another study.
     NumericalError
         If the model has no start.
     """
     manoeuvre = prepare_manoeuvre(study, progress)
-    start, trouble = first_guess(manoeuvre)
-    facts = "optimise-manoeuvre", study.text, digests_to_keep(kept, [study.target])
-    memory = kept.memory(*facts, kinds=(Trajectory,))
-    known = memory.noted(_ITERATE)
+    facts = "optimise-manoeuvre", study.text, study.track, digests_to_keep(kept, [study.target])
+    memory = kept.memory(*facts, kinds=KEPT)
+    start, trouble = memory.recall("guess", None, lambda: first_guess(manoeuvre))
     search = _Search(manoeuvre, state_scales(start), memory, progress)
-    solution = search.run(known or start, is_warm=known is not None)
-    notes = ["went on from the iterate that was kept"] if known is not None else []
-    if trouble and known is None:
-        notes.append(trouble)
+    notes = [trouble] if trouble else []
+    solution = search.run(start)
     return ManoeuvreReport(search.table(solution, [*notes, *search.notes]))
 
 
@@ -163,20 +160,20 @@ class _Search:
         self.is_rounding = False
         self.units = [s.unit for s in manoeuvre.problem.equations.states]
 
-    def run(self, guess: Trajectory, *, is_warm: bool) -> Solution:
+    def run(self, guess: Trajectory) -> Solution:
         """Return the solution on the last mesh, or the first that failed."""
         study, problem = self.manoeuvre.study, self.manoeuvre.problem
         self.progress("deriving the functions of a point", None)
         model = PointModel(problem)
         for level in range(study.refinements + 1):
             self.progress(f"optimising on {guess.n_intervals} intervals", None)
-            warm = is_warm or level > 0
             settings = Settings(
                 self.scales,
                 study.tolerance,
                 study.most_iterations,
                 self._watch,
-                _WARM_BARRIER if warm else None,
+                _WARM_BARRIER if level else None,
+                memory=self.memory,
             )
             known, self.best = self.best, None
             solution = self._solved(model, guess, settings)
@@ -261,16 +258,15 @@ class _Search:
 
     def _watch(self, number: int, objective: float, violation: float, at: Any) -> None:
         """Look at an iteration, and keep the best motion that keeps all conditions."""
-        self._look(number, objective, violation, at)
+        self._look(number, objective, violation)
         if violation <= FEASIBLE and (self.best is None or objective < self.best.objective):
             self.best = Solution(at(), objective, number, violation, "")
 
-    def _look(self, number: int, objective: float, violation: float, at: Any) -> None:
+    def _look(self, number: int, objective: float, violation: float, _: Any = None) -> None:
         self.history.append((objective, violation))
         self.progress(
             f"iteration {number}: objective {objective:.6g}, off by {violation:.1e}", None
         )
-        self.memory.note(_ITERATE, at)
 
     def _run_of(self, trajectory: Trajectory) -> ControlledRun:
         kernel, step = self.manoeuvre.prepared.kernel, self._step(trajectory)
@@ -286,7 +282,8 @@ class _Search:
 
     def _interval_errors(self, trajectory: Trajectory) -> Floats:
         """Return the error of each interval over the range of the states, shape (n,)."""
-        defects = np.abs(self._run_of(trajectory).defects())
+        run = self._run_of(trajectory)
+        defects = np.abs(self.memory.recall("defects", trajectory, run.defects))
         ranges = state_ranges(trajectory.all_states, self.units)
         return np.asarray((defects / ranges).max(axis=1, initial=0.0))
 
@@ -298,7 +295,7 @@ class _Search:
         is_kept = solution.violation <= FEASIBLE
         if is_kept:
             self.progress("simulating the controls", None)
-            simulated = self._run_of(trajectory).free()
+            simulated = self.memory.recall("free", trajectory, self._run_of(trajectory).free)
         errors = relative_errors(states, simulated, self.units)
         error = float(errors.max(initial=0.0))
         if not np.isfinite(error) and is_kept:
