@@ -2,7 +2,8 @@
 
 Xiu, Karniadakis (2002), SIAM Journal on Scientific Computing 24, 619-644, for the expansion;
 Sudret (2008), Reliability Engineering and System Safety 93, 964-979, for the indices; Blatman,
-Sudret (2010), Probabilistic Engineering Mechanics 25, 183-197, for the choice by leaving one out.
+Sudret (2010), Probabilistic Engineering Mechanics 25, 183-197, for the choice by leaving one out;
+the covariance of coefficients is that of least squares, errors are theirs by the delta method.
 The nodes of quadratures are NumPy's.
 """
 
@@ -15,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.analyse.uncertainty import Distribution, Spread
+from vehicledyn.analyse.uncertainty import Distribution, Shares, Spread
 
 Floats = NDArray[np.float64]
 
@@ -34,13 +35,16 @@ class Chaos:
 
     ``powers`` (t, n) are the degrees of each term, the first of them the constant,
     ``coefficients`` (t, m). ``missed`` (m,) is the part of the variance that the expansion misses
-    at points it was not fitted to, from leaving out one by one.
+    at points it was not fitted to, from leaving out one by one, ``misses`` (m,) the variance of
+    that; ``covariance`` (t, t) is that of the coefficients, by ``misses``.
     """
 
     laws: tuple[Distribution, ...]
     powers: NDArray[np.int64]
     coefficients: Floats
     missed: Floats
+    misses: Floats
+    covariance: Floats
 
     @property
     def degree(self) -> int:
@@ -53,20 +57,54 @@ class Chaos:
 
     @property
     def spread(self) -> Spread:
-        """Mean and deviation; their errors are those of what the expansion misses."""
+        """Mean and deviation; their errors are those of the coefficients and of what is missed."""
         variance = np.sum(self.coefficients[1:] ** 2, axis=0)
-        deviation, missed = np.sqrt(variance), np.sqrt(self.missed * variance)
-        return Spread(self.coefficients[0], deviation, missed, missed)
+        deviation = np.sqrt(variance)
+        slopes = 2.0 * self.coefficients.T
+        slopes[:, 0] = 0.0
+        own = self._errors(slopes)
+        own = np.divide(own, 2.0 * deviation, out=np.zeros_like(own), where=deviation > 0.0)
+        error = np.hypot(own, np.sqrt(variance + self.misses) - deviation)
+        mean_error = np.sqrt(self.misses * self.covariance[0, 0])
+        return Spread(self.coefficients[0], deviation, mean_error, error)
 
-    def indices(self) -> tuple[Floats, Floats]:
-        """Return first-order and total Sobol indices, shapes (m, n)."""
+    def shares(self) -> Shares:
+        """Return first-order and total Sobol indices; what is missed may belong to any."""
         parts = self.coefficients.T**2
         parts[:, 0] = 0.0
         whole = parts.sum(axis=1, keepdims=True)
-        parts = np.divide(parts, whole, out=np.zeros_like(parts), where=whole > 0.0)
         within = self.powers > 0
         alone = within & (within.sum(axis=1) == 1)[:, None]
-        return parts @ alone.astype(float), parts @ within.astype(float)
+        missed = np.divide(
+            self.misses[:, None],
+            whole + self.misses[:, None],
+            out=np.zeros_like(whole),
+            where=self.misses[:, None] > 0.0,
+        )
+
+        def share(chosen: NDArray[np.bool_]) -> tuple[Floats, Floats]:
+            """Return the part of chosen terms (t, n) in the variance and its error, (m, n)."""
+            rows = chosen.astype(float)
+            known = whole > 0.0
+            found = np.divide(
+                parts @ rows, whole, out=np.zeros((len(parts), rows.shape[1])), where=known
+            )
+            errors = np.zeros_like(found)
+            for k, row in enumerate(rows.T):
+                slopes = 2.0 * self.coefficients.T * (row - found[:, k : k + 1])
+                slopes[:, 0] = 0.0
+                own = self._errors(slopes)
+                np.divide(own, whole[:, 0], out=errors[:, k], where=known[:, 0])
+            return found, np.hypot(errors, missed * np.maximum(found, 1.0 - found))
+
+        (first, first_error), (total, total_error) = share(alone), share(within)
+        return Shares(first, total, first_error, total_error)
+
+    def _errors(self, slopes: Floats) -> Floats:
+        """Return the standard errors of what has slopes (m, t) by the coefficients, shape (m,)."""
+        squares = np.einsum("mt,ts,ms->m", slopes, self.covariance, slopes)
+        errors: Floats = np.sqrt(np.maximum(squares * self.misses, 0.0))
+        return errors
 
 
 def fit_chaos(laws: Sequence[Distribution], points: Floats, figures: Floats) -> Chaos:
@@ -96,7 +134,10 @@ def fit_chaos(laws: Sequence[Distribution], points: Floats, figures: Floats) -> 
             break
         foretold = (figures - values @ coefficients) / (1.0 - leverage)[:, None]
         missed = np.mean(foretold**2, axis=0) / sizes
-        found = Chaos(tuple(laws), powers, coefficients, np.where(scatter > 0.0, missed, 0.0))
+        inverse = np.linalg.inv(triangle)
+        missed = np.where(scatter > 0.0, missed, 0.0)
+        misses = missed * scatter
+        found = Chaos(tuple(laws), powers, coefficients, missed, misses, inverse @ inverse.T)
         if best is None or found.missed.max() < best.missed.max():
             best = found
     assert best is not None  # a constant fits two points

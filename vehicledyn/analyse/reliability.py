@@ -9,6 +9,7 @@ Probabilistic Engineering Mechanics 19, 409-417.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 from vehicledyn.analyse.objective import Values
 from vehicledyn.analyse.optimise import optimise
 from vehicledyn.analyse.uncertainty import Distribution
+from vehicledyn.base.errors import NumericalError
 
 Floats = NDArray[np.float64]
 
@@ -25,6 +27,9 @@ _FARTHEST = 8.0
 
 _MOST_RUNS, _MOST_STEPS = 100, 12
 """Runs with gradients of a search, and runs along a line, at most."""
+
+_FEWEST_LINES = 2
+"""Lines with a crossing that an error needs."""
 
 _NEAR = 1e-4
 """Distance in deviations up to which the crossing of a line is found."""
@@ -105,7 +110,6 @@ def failing_chance(
     u, row = found.variables, -side * found.values.jacobian[0]
     steepest = float(np.linalg.norm(row))
     distance = float(np.linalg.norm(u))
-    note = ""
     if found.violation > 1e-4 or steepest == 0.0:
         note = f"no failing point within {_FARTHEST:g} deviations of the middle was found"
         chance = 0.0 if side > 0.0 else 1.0
@@ -116,10 +120,16 @@ def failing_chance(
     along = -row / steepest
     lines = _Lines(laws, values, along, float(along @ u), -steepest)
     crossings = lines.crossings(u, number, seed)
-    chances = norm.sf(crossings)
-    error = float(np.std(chances, ddof=1) / np.sqrt(number))
+    chances = norm.sf(crossings[np.isfinite(crossings)])
+    if len(chances) < _FEWEST_LINES:
+        raise NumericalError(f"of {number} lines all but {len(chances)} have a run that failed")
+    error = float(np.std(chances, ddof=1) / np.sqrt(len(chances)))
+    notes = []
     if lines.n_lost:
-        note = f"{lines.n_lost} of {number} lines have no crossing that could be found"
+        notes.append(f"{lines.n_lost} of {number} lines have no crossing that could be found")
+    if failed := number - len(chances):
+        notes.append(f"{failed} of {number} lines are left out, as a run on them failed")
+    note = "; ".join(notes)
     return Reliability(
         side * distance,
         float(norm.sf(side * distance)),
@@ -143,10 +153,17 @@ class _Lines:
     n_lost: int = 0
 
     def crossings(self, u: Floats, number: int, seed: int) -> Floats:
-        """Return where the lines through free samples cross the limit, shape (number,)."""
+        """Return where the lines through free samples cross the limit, shape (number,).
+
+        It is not a number where a run fails.
+        """
         drawn = np.random.default_rng(seed).standard_normal((number, len(u)))
         across = drawn - np.outer(drawn @ self.along, self.along)
-        return np.array([self._crossing(row) for row in across])
+        found = np.full(number, np.nan)
+        for k, row in enumerate(across):
+            with suppress(NumericalError):
+                found[k] = self._crossing(row)
+        return found
 
     def _crossing(self, base: Floats) -> float:
         """Return the place on a line where the margin is zero, by secants."""

@@ -1,11 +1,11 @@
-"""How uncertain parameters make figures uncertain: samples, derivatives, Sobol indices.
+"""How uncertain parameters make figures uncertain: samples and derivatives.
 
-Distributions, low-discrepancy sequences and the estimators of Sobol indices are scipy's.
+Distributions and low-discrepancy sequences are scipy's.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -85,6 +85,19 @@ class Spread:
     deviation: Floats
     mean_error: Floats
     deviation_error: Floats
+
+
+@dataclass(frozen=True)
+class Shares:
+    """Parts of the variance of figures that parameters bring, each (m, n), with standard errors.
+
+    ``first`` are those of a parameter alone, ``total`` those with its interactions.
+    """
+
+    first: Floats
+    total: Floats
+    first_error: Floats
+    total_error: Floats
 
 
 def first_order(values: Floats, slopes: Floats, laws: Sequence[Distribution]) -> Spread:
@@ -185,49 +198,16 @@ def spread(figures: Floats) -> Spread:
 
 
 def failing(figures: Floats, limit: float, *, above: bool) -> tuple[float, float, float]:
-    """Return the share of samples beyond a limit and its 95 % interval (Wilson's)."""
+    """Return the share of samples beyond a limit and its 95 % interval (Wilson's).
+
+    Samples that are not a number may be on either side: the interval holds both.
+    """
     from scipy.stats import binomtest
 
     count = int(np.sum(figures > limit if above else figures < limit))
-    interval = binomtest(count, len(figures)).proportion_ci(method="wilson")
-    return count / len(figures), float(interval.low), float(interval.high)
-
-
-def sobol(
-    function: Callable[[Floats], Floats], laws: Sequence[Distribution], number: int, seed: int
-) -> tuple[Floats, Floats]:
-    """Return first-order and total Sobol indices of figures, shapes (m, n).
-
-    Parameters
-    ----------
-    function
-        Returns figures (number, m) of points (number, n); it gets number (n + 2) points in all.
-    laws
-        Distributions of the n parameters.
-    number
-        Points of each sample, a power of two.
-    seed
-        Equal seeds give equal indices.
-
-    References
-    ----------
-    Saltelli et al. (2010), Computer Physics Communications 181, 259-270.
-    """
-    from scipy.stats import sobol_indices
-
-    def figures(points: Floats) -> Floats:
-        # SciPy drops dimensions of length one, and fails for one figure of one parameter.
-        found = function(points.T).T
-        return np.concatenate([found, found[:1]])
-
-    found = sobol_indices(
-        func=figures,
-        n=number,
-        dists=[law.law for law in laws],
-        rng=np.random.default_rng(seed),
+    unknown = int(np.sum(np.isnan(figures)))
+    low, high = (
+        binomtest(number, len(figures)).proportion_ci(method="wilson")
+        for number in (count, count + unknown)
     )
-    first, total = (
-        np.reshape(indices, (-1, len(laws)))[:-1]
-        for indices in (found.first_order, found.total_order)
-    )
-    return first, total
+    return count / (len(figures) - unknown), float(low.low), float(high.high)

@@ -5,6 +5,7 @@ import pytest
 
 from vehicledyn.analyse.polynomial_chaos import fit_chaos, orthonormal
 from vehicledyn.analyse.reliability import failing_chance
+from vehicledyn.analyse.sobol_indices import sobol_samples
 from vehicledyn.analyse.uncertainty import (
     failing,
     first_order,
@@ -12,7 +13,6 @@ from vehicledyn.analyse.uncertainty import (
     normal,
     samples,
     second_order,
-    sobol,
     spread,
     triangular,
     uniform,
@@ -27,27 +27,80 @@ def test_sobol_indices_of_few_figures_and_parameters(figures, parameters):
     def sums(points):
         return np.outer(points.sum(axis=1), np.arange(1.0, figures + 1.0))
 
-    found = sobol(sums, [uniform(0.0, 1.0)] * parameters, 256, 1)
-    for indices in found:
+    found = sobol_samples(sums, [uniform(0.0, 1.0)] * parameters, 256, 1).shares()
+    for indices in (found.first, found.total):
         assert indices.shape == (figures, parameters)
         assert indices == pytest.approx(1.0 / parameters, abs=0.02)
 
 
 def test_sobol_indices_of_ishigami():
     """a = 7, b = 0.1: Ishigami and Homma (1990)."""
+    found = sobol_samples(ishigami, [uniform(-np.pi, np.pi)] * 3, 2**14, 1).shares()
+    first, total = ishigami_indices()
+    assert found.first[0] == pytest.approx(first, abs=0.01)
+    assert found.total[0] == pytest.approx(total, abs=0.01)
+
+
+def ishigami(points):
+    x, y, z = points.T
+    return (np.sin(x) + 7.0 * np.sin(y) ** 2 + 0.1 * z**4 * np.sin(x))[:, None]
+
+
+def ishigami_indices():
     a, b = 7.0, 0.1
-
-    def ishigami(points):
-        x, y, z = points.T
-        return (np.sin(x) + a * np.sin(y) ** 2 + b * z**4 * np.sin(x))[:, None]
-
-    first, total = sobol(ishigami, [uniform(-np.pi, np.pi)] * 3, 2**14, 1)
     whole = a**2 / 8 + b * np.pi**4 / 5 + b**2 * np.pi**8 / 18 + 0.5
     of_x, of_y = 0.5 * (1 + b * np.pi**4 / 5) ** 2, a**2 / 8
     mixed = b**2 * np.pi**8 * (1 / 18 - 1 / 50)
-    assert first[0] == pytest.approx([of_x / whole, of_y / whole, 0.0], abs=0.01)
-    expected = [(of_x + mixed) / whole, of_y / whole, mixed / whole]
-    assert total[0] == pytest.approx(expected, abs=0.01)
+    return (
+        np.array([of_x, of_y, 0.0]) / whole,
+        np.array([of_x + mixed, of_y, mixed]) / whole,
+    )
+
+
+def test_sobol_indices_are_those_of_scipy_and_have_their_errors():
+    """SciPy's to rounding; of few points 9 of 10 within two errors, and the errors no larger."""
+    laws, away, sizes = [uniform(-np.pi, np.pi)] * 3, [], []
+    from scipy.stats import sobol_indices
+
+    for seed in range(40):
+        found = sobol_samples(ishigami, laws, 64, seed).shares()
+        away += [found.first[0] - ishigami_indices()[0], found.total[0] - ishigami_indices()[1]]
+        sizes += [found.first_error[0], found.total_error[0]]
+    theirs = sobol_indices(
+        func=lambda x: ishigami(x.T).T, n=64, dists=[law.law for law in laws], rng=39
+    )
+    assert found.first[0] == pytest.approx(theirs.first_order, rel=1e-9, abs=1e-12)
+    assert found.total[0] == pytest.approx(theirs.total_order, rel=1e-9, abs=1e-12)
+    assert np.mean(np.abs(away) < 2.0 * np.array(sizes)) > 0.9
+    assert np.sqrt(np.mean(np.square(away))) > 0.5 * np.sqrt(np.mean(np.square(sizes)))
+
+
+def test_points_with_a_run_that_failed_are_left_out():
+    """One failure takes its point from both samples; indices are those of the other points."""
+    laws = [uniform(-np.pi, np.pi)] * 3
+    every = sobol_samples(ishigami, laws, 64, 1)
+    every.mixed[1, 5] = np.nan
+    kept = np.arange(64) != 5
+    left = every.complete()
+    assert np.array_equal(left.one, every.one[kept])
+    assert np.array_equal(left.mixed, every.mixed[:, kept])
+    assert np.isfinite(left.shares().total).all()
+
+
+@pytest.mark.parametrize("number", [24, 64])
+def test_errors_of_polynomial_chaos_hold_the_truth(number):
+    """Of an expansion that misses most of the variance, too, whose deviation is near zero."""
+    laws, away, sizes = [uniform(-np.pi, np.pi)] * 3, [], []
+    deviation = np.sqrt(7.0**2 / 8 + 0.1 * np.pi**4 / 5 + 0.01 * np.pi**8 / 18 + 0.5)
+    for seed in range(4):
+        points = samples(laws, number, seed, scrambled=True)
+        found = fit_chaos(laws, points, ishigami(points))
+        shares, spreads = found.shares(), found.spread
+        away += [*(shares.first[0] - ishigami_indices()[0]), spreads.mean[0] - 3.5]
+        away += [*(shares.total[0] - ishigami_indices()[1]), spreads.deviation[0] - deviation]
+        sizes += [*shares.first_error[0], spreads.mean_error[0]]
+        sizes += [*shares.total_error[0], spreads.deviation_error[0]]
+    assert np.mean(np.abs(away) < 2.0 * np.array(sizes)) > 0.9
 
 
 def test_table_figures_of_normal_parameters_are_exact():
@@ -81,6 +134,15 @@ def test_the_share_beyond_a_limit_has_an_interval():
     assert low < 0.158655 < high
     assert share == pytest.approx(0.158655, abs=0.01)
     assert failing(figures, -1.0, above=False)[0] == pytest.approx(0.158655, abs=0.01)
+
+
+def test_runs_that_failed_may_be_on_either_side_of_a_limit():
+    """Of 40 values 10 are above it, 4 unknown: Wilson's interval from 10 to 14 of 40."""
+    figures = np.r_[np.zeros(26), np.ones(10), np.full(4, np.nan)]
+    share, low, high = failing(figures, 0.5, above=True)
+    sure = failing(np.nan_to_num(figures, nan=0.0), 0.5, above=True)
+    most = failing(np.nan_to_num(figures, nan=1.0), 0.5, above=True)
+    assert (share, low, high) == (10 / 36, sure[1], most[2])
 
 
 LAWS = [normal(3.0, 0.2), uniform(-1.0, 5.0), triangular(0.0, 1.0, 4.0)]
@@ -122,7 +184,8 @@ def test_second_order_is_exact_for_quadratic_figures_of_any_laws():
     fitted = fit_chaos(LAWS, points := samples(LAWS, 40, 1, scrambled=True), _quadratic(points))
     assert fitted.degree == 2
     assert fitted.missed[0] < 1e-20
-    for ours, theirs in zip(fitted.indices(), _quadratic_indices(), strict=True):
+    found = fitted.shares()
+    for ours, theirs in zip((found.first, found.total), _quadratic_indices(), strict=True):
         assert ours == pytest.approx(theirs, abs=1e-10)
 
 

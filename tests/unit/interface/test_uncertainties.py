@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import vehicledyn as vd
-from vehicledyn.base.errors import InputError
+from vehicledyn.base.errors import InputError, NumericalError
 
 LAWS = {"length": {"kind": "normal", "mean": "1 m", "deviation": "5 mm"}}
 LAWS["parameters.mass"] = {"kind": "uniform", "from": "0.9 kg", "to": "1.1 kg"}
@@ -72,6 +72,7 @@ sensors:
   ishigami: {kind: expression, value: "sin(x) + 7 * sin(y)**2 + 0.1 * z**4 * sin(x)", unit: "1"}
   line: {kind: expression, value: "5 + x + 2 * y - 0.3 * z", unit: "1"}
   curved: {kind: expression, value: "3 + 0.1 * y**2 - x", unit: "1"}
+  rooted: {kind: expression, value: "sqrt(x) + y", unit: "1"}
 """
 TINY = {"duration": "10 ms", "solver": {"kind": "rk4", "step": "10 ms"}, "output.interval": "10 ms"}
 LINE = {
@@ -160,6 +161,48 @@ def test_second_derivatives_move_the_mean(functions):
     assert found.found.mean[0] == pytest.approx(3.1, rel=1e-9)
     assert found.found.deviation[0] ** 2 == pytest.approx(1.02, rel=1e-9)
     assert found.totals[0] == pytest.approx([1.0 / 1.02, 0.02 / 1.02], rel=1e-8)
+
+
+ROOTED = {
+    "x": {"kind": "normal", "mean": 1.0, "deviation": 0.5},
+    "y": {"kind": "normal", "mean": 1.0, "deviation": 0.2},
+}
+
+
+@pytest.mark.parametrize("method", ["sequence", "sobol", "polynomial_chaos", "reliability"])
+def test_runs_that_fail_are_left_out_and_told(functions, method):
+    """The root of a negative x is no number: one in 44 of these, none of the middle."""
+    limits = {"final(rooted)": {"at_least": 1.2 if method == "reliability" else 1.6}}
+    found = vd.uncertainty(
+        functions, "final(rooted)", ROOTED, method=method, number=64, limits=limits, **TINY
+    )
+    text = found.as_text()
+    assert "left out" in text
+    assert "nan" not in text
+    ((*_, share, low, high),) = found.risks
+    assert low < share < high
+    if method != "reliability":
+        assert "'final(rooted)' is not a number" in text
+        failed = np.isnan(found.samples[:, 0])
+        assert (failed == (found.points[:, 0] < 0.0)).all()
+        assert f"{failed.sum()} of {len(failed)} runs failed" in text
+
+
+def test_samples_most_of_which_fail_are_refused(functions):
+    """Nothing can be said of a scatter; the first failure is told."""
+    law = {"x": {"kind": "uniform", "from": -2.0, "to": 1.0}}
+    with pytest.raises(NumericalError, match=r"too many to speak of a scatter.* x = .* not a numb"):
+        vd.uncertainty(functions, "final(rooted)", law, method="sequence", number=32, **TINY)
+
+
+def test_shares_have_errors(functions):
+    """Of few runs large ones, which are warned of; Gaussian linear shares are within them."""
+    found = vd.uncertainty(functions, "final(line)", LINE, method="sobol", number=32, **TINY)
+    assert np.all(np.abs(found.shares[0] - PARTS / PARTS.sum()) < 3.0 * found.shares_error[0])
+    assert found.shares_error.max() > 0.05
+    assert "warning: shares of the variance have standard errors" in found.as_text()
+    assert found.as_dict()["figures"]["final(line)"]["totals_error"] == list(found.totals_error[0])
+    assert found.found.mean_error[0] == pytest.approx(found.found.deviation[0] / 8.0)
 
 
 def test_tolerances_of_hardpoints_scatter_the_bump_steer():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -47,7 +47,8 @@ def uncertainty_figures(table: UncertaintyTable) -> Iterator[tuple[str, Figure]]
         if len(table.samples):
             drawn = new_figure(_HEIGHT)
             axes = drawn.subplots()
-            axes.hist(table.samples[:, row], bins=_BINS, color=PALETTE[0])
+            samples = table.samples[:, row]
+            axes.hist(samples[np.isfinite(samples)], bins=_BINS, color=PALETTE[0])
             axes.set_xlabel(axis_label(plain(figure.name), figure.unit))
             axes.set_ylabel(axis_label("Runs", "1"))
             axes.grid(visible=True)
@@ -94,14 +95,26 @@ def _shares(table: UncertaintyTable, row: int) -> Figure:
     places = np.arange(len(order))
     totals = table.totals[row][order]
     if np.isfinite(totals).all():
-        axes.barh(places, totals, color=PALETTE[1], height=0.7, label="with interactions")
-    axes.barh(places, table.shares[row][order], color=PALETTE[0], height=0.4, label="alone")
+        errors = _errors(table.totals_error, row, order)
+        axes.barh(
+            places, totals, color=PALETTE[1], height=0.7, label="with interactions", xerr=errors
+        )
+    errors = _errors(table.shares_error, row, order)
+    axes.barh(
+        places, table.shares[row][order], color=PALETTE[0], height=0.4, label="alone", xerr=errors
+    )
     axes.set_yticks(places, [plain(table.parameters[k].name) for k in order])
     name = plain(table.figures[row].name)
     axes.set_xlabel(axis_label(f"Part of the variance of {name}", "1"))
     axes.grid(visible=True, axis="x")
     axes.legend(loc="lower right")
     return drawn
+
+
+def _errors(errors: Any, row: int, order: Any) -> Any:
+    """Return standard errors in some order, None where there are none."""
+    found = None if errors is None else errors[row][order]
+    return found if found is not None and np.isfinite(found).all() else None
 
 
 def _file_name(name: str) -> str:

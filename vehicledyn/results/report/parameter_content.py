@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -158,19 +159,38 @@ def uncertainty_parts(path: Path) -> Parts:
     if table.risks:
         sections.append(Section("Risks", [Notes(table.risks)]))
     shares = [
-        (figure.name, table.parameters[k].name, _share(alone[k]), _share(total[k]))
-        for figure, alone, total in zip(table.figures, table.shares, table.totals, strict=True)
+        (
+            figure.name,
+            table.parameters[k].name,
+            *(_share(value[k]) for value in (alone, alone_error, total, total_error)),
+        )
+        for figure, alone, alone_error, total, total_error in zip(
+            table.figures,
+            table.shares,
+            _given(table.shares_error, table.shares),
+            table.totals,
+            _given(table.totals_error, table.shares),
+            strict=True,
+        )
         if np.isfinite(alone).any()
         for k in np.argsort(-alone)
     ]
     if shares:
-        heads = ("Figure", "Parameter", "Part of the variance", "With interactions")
-        sections.append(Section("Shares of the variance", [TextTable(heads, shares, (2, 3))]))
+        heads = (
+            *("Figure", "Parameter", "Part of the variance", "its error"),
+            *("With interactions", "its error"),
+        )
+        sections.append(Section("Shares of the variance", [TextTable(heads, shares, (2, 3, 4, 5))]))
     return [], [*sections, *notes_section(table.notes)]
 
 
 def _spreads(table: UncertaintyTable) -> tuple[Sequence[float], ...]:
     return table.mean, table.mean_error, table.deviation, table.deviation_error
+
+
+def _given(values: Any, like: Any) -> Any:
+    """Return values, or gaps of the shape of others where there are none."""
+    return np.full(np.shape(like), np.nan) if values is None else values
 
 
 def _share(value: float) -> str:

@@ -30,7 +30,8 @@ class UncertaintyTable:
 
     ``mean``, ``deviation`` and their standard errors (m,); ``shares`` and ``totals`` (m, n) of the
     variance by parameter, not a number where the method gives none; ``points`` (n_runs, n) and
-    ``samples`` (n_runs, m) of the runs, none of a method with gradients.
+    ``samples`` (n_runs, m) of the runs, none of a method with gradients; samples of failed runs are
+    not a number. ``shares_error`` and ``totals_error`` (m, n) are standard errors.
     """
 
     title: str
@@ -48,6 +49,8 @@ class UncertaintyTable:
     samples: Any
     risks: tuple[str, ...]
     notes: tuple[str, ...]
+    shares_error: Any = None
+    totals_error: Any = None
 
 
 _BY_FIGURE = {
@@ -59,6 +62,10 @@ _BY_FIGURE = {
 _SHARES = {
     "shares": "Part of the variance that a parameter brings alone",
     "totals": "Part of the variance that a parameter takes part in",
+}
+_SHARE_ERRORS = {
+    "shares_error": "Standard error of the part that a parameter brings alone",
+    "totals_error": "Standard error of the part that a parameter takes part in",
 }
 
 
@@ -80,6 +87,10 @@ def write_uncertainty(path: Path, table: UncertaintyTable) -> None:
             write_numbers(file, name, getattr(table, name), (figures,), ("as figure", words))
         for name, words in _SHARES.items():
             write_numbers(file, name, getattr(table, name), (figures, parameters), ("1", words))
+        for name, words in _SHARE_ERRORS.items():
+            given = getattr(table, name)
+            errors = np.full(np.shape(table.shares), np.nan) if given is None else given
+            write_numbers(file, name, errors, (figures, parameters), ("1", words))
         about = ("as parameter", "Parameters of the run")
         write_numbers(file, "point", table.points, (run, parameters), about)
         about = ("as figure", "Figures of the run")
@@ -101,6 +112,11 @@ def read_uncertainty(path: Path) -> UncertaintyTable:
         sizes = Sizes({"parameters": len(parameters), "figures": len(figures)})
         numbers = {name: sizes.read(file, name, "figures") for name in _BY_FIGURE}
         numbers |= {name: sizes.read(file, name, "figures", "parameters") for name in _SHARES}
+        numbers |= {
+            name: sizes.read(file, name, "figures", "parameters")
+            for name in _SHARE_ERRORS
+            if name in file  # files of earlier versions have none
+        }
         return UncertaintyTable(
             str(file.attrs["title"]),
             str(file.attrs["method"]),

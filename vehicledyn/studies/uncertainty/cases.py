@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.analyse.uncertainty import Distribution, Spread
+from vehicledyn.analyse.uncertainty import Distribution, Shares, Spread
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.analyses.sensitivity.known_analyses import analysis_of
 from vehicledyn.base.errors import NumericalError
@@ -53,6 +53,7 @@ class Cases:
     points: list[Floats] = field(default_factory=list)
     asked_for: set[tuple[Any, ...]] = field(default_factory=set)
     lost: dict[tuple[Any, ...], str] = field(default_factory=dict)
+    failures: list[str] = field(default_factory=list)
     quantities: tuple[Quantity, ...] = ()
 
     @staticmethod
@@ -143,14 +144,36 @@ class Cases:
         return np.array(self._entry(point.tolist(), point, follows=False)["values"], dtype=float)
 
     def figures_at(self, points: Floats) -> Floats:
-        """Return the figures at some points, shape (number, m); they are those of the report."""
-        rows = []
+        """Return the figures at some points, shape (number, m); they are those of the report.
+
+        Figures of runs that fail are not a number.
+
+        Raises
+        ------
+        NumericalError
+            If fewer than two runs, or fewer than half of them, do not fail.
+        """
+        rows: list[Floats | None] = []
+        failures: list[str] = []
         for count, point in enumerate(points):
-            rows.append(self.values_at(point))
+            try:
+                rows.append(self.values_at(point))
+            except NumericalError as error:
+                rows.append(None)
+                failures.append(str(error))
+                if len(failures) > min(len(points) // 2, len(points) - 2):
+                    raise NumericalError(
+                        f"{len(failures)} of the first {len(rows)} runs failed, too many to speak "
+                        "of a scatter: narrow the distributions or mend the model; the first: "
+                        f"{failures[0]}"
+                    ) from error
             self.progress("computing samples", (count + 1) / len(points))
-        self.known += rows
+        missing = np.full(len(self.quantities), np.nan)
+        found = [missing if row is None else row for row in rows]
+        self.known += found
         self.points += list(points)
-        return np.array(rows)
+        self.failures += failures
+        return np.array(found)
 
     def _entry(self, key: list[Any], point: Floats, *, follows: bool) -> dict[str, Any]:
         self.asked_for.add(tuple(key))
@@ -173,6 +196,8 @@ class Cases:
         except NumericalError as error:
             return {"failure": f"the run with {values} failed: {error}"}
         for slope, item in pairs:
+            if not np.isfinite(slope.value):
+                return {"failure": f"with {values} '{item.name}' is not a number"}
             if follows and slope.trouble:
                 return {"failure": f"'{item.name}' has no derivative: {slope.trouble}"}
         check_limits(self.mistakes, self.limits, {item.name: item.unit for _, item in pairs})
@@ -194,18 +219,32 @@ class Cases:
             f"figures count as those of the others do; the first {first}"
         ]
 
+    def _failed_runs(self) -> list[str]:
+        """Return a warning of samples that have no figures, the first of which it describes."""
+        if not self.failures:
+            return []
+        return [
+            f"warning: {len(self.failures)} of {len(self.known)} runs failed and are left out: "
+            "mean, deviation and shares are those of the others, intervals of chances allow for "
+            f"failed runs on either side of a limit; the first: {self.failures[0]}"
+        ]
+
     def report(
         self,
         method: str,
         found: Spread,
         *,
-        shares: Floats | None = None,
+        shares: Floats | Shares | None = None,
         totals: Floats | None = None,
         figures: Floats | None = None,
         risks: Sequence[Risk] = (),
     ) -> UncertaintyReport:
         """Return the report; ``figures`` (n_runs, m) are those of its samples."""
         about = self.about
+        errors: tuple[Floats | None, Floats | None] = (None, None)
+        if isinstance(shares, Shares):
+            errors = shares.first_error, shares.total_error
+            totals, shares = shares.total, shares.first
         return UncertaintyReport(
             self.of_scenario.title,
             method,
@@ -216,7 +255,8 @@ class Cases:
             totals,
             len(self.asked_for),
             list(risks),
-            (*self.notes, *self._driving_failures()),
+            (*self.notes, *self._driving_failures(), *self._failed_runs()),
             None if figures is None else np.array(self.points),
             figures,
+            *errors,
         )

@@ -24,7 +24,9 @@ class UncertaintyReport:
 
     ``shares`` (m, n) are first-order ones, ``totals`` those with interactions, None where a
     method does not give them. ``risks`` hold figure, words of the limit, share and its interval.
-    ``points`` (n_runs, n) and ``samples`` (n_runs, m) are the runs, None for one with gradients.
+    ``points`` (n_runs, n) and ``samples`` (n_runs, m) are the runs, None for one with gradients;
+    samples of runs that failed are not a number. ``shares_error`` and ``totals_error`` (m, n) are
+    the standard errors of shares, None where they have none.
     """
 
     title: str
@@ -39,6 +41,8 @@ class UncertaintyReport:
     notes: tuple[str, ...] = ()
     points: Floats | None = None
     samples: Floats | None = None
+    shares_error: Floats | None = None
+    totals_error: Floats | None = None
 
     @property
     def messages(self) -> tuple[str, ...]:
@@ -49,17 +53,24 @@ class UncertaintyReport:
         """Return mean and deviation of each figure, and the parameters that matter most."""
         lines = [f"{self.title}: {self.method}, {self.n_runs} runs"]
         for row, item in enumerate(self.figures):
+            found = self.found
             mean, deviation = (
-                shown(float(v[row]), item.unit) for v in (self.found.mean, self.found.deviation)
+                _with_error(float(value[row]), float(error[row]), item.unit)
+                for value, error in (
+                    (found.mean, found.mean_error),
+                    (found.deviation, found.deviation_error),
+                )
             )
             lines.append(f"{item.name} = {mean}, deviation {deviation}")
             if self.shares is None:
                 continue
             for k in np.argsort(-self.shares[row]):
-                total = (
-                    "" if self.totals is None else f", with interactions {self.totals[row, k]:.1%}"
-                )
-                lines.append(f"  {self.parameters[k].name}: {self.shares[row, k]:.1%}{total}")
+                alone = _share(self.shares, self.shares_error, row, k)
+                total = _share(self.totals, self.totals_error, row, k)
+                words = f"{alone}, with interactions {total}" if total else alone
+                lines.append(f"  {self.parameters[k].name}: {words}")
+        if np.any(self.found.mean_error > 0.0) or self.shares_error is not None:
+            lines.append("+- is one standard error")
         lines += [
             f"{name} {words} in {share:.2%} (95 %: {low:.2%} to {high:.2%})"
             for name, words, share, low, high in self.risks
@@ -80,8 +91,10 @@ class UncertaintyReport:
                     "deviation": float(found.deviation[k]),
                     "mean_error": float(found.mean_error[k]),
                     "deviation_error": float(found.deviation_error[k]),
-                    "shares": None if self.shares is None else self.shares[k].tolist(),
-                    "totals": None if self.totals is None else self.totals[k].tolist(),
+                    "shares": _row(self.shares, k),
+                    "totals": _row(self.totals, k),
+                    "shares_error": _row(self.shares_error, k),
+                    "totals_error": _row(self.totals_error, k),
                 }
                 for k, item in enumerate(self.figures)
             },
@@ -91,3 +104,19 @@ class UncertaintyReport:
             ],
             "notes": list(self.notes),
         }
+
+
+def _row(values: Floats | None, row: int) -> list[float] | None:
+    return None if values is None else values[row].tolist()
+
+
+def _with_error(value: float, error: float, unit: str) -> str:
+    """Return a number with its standard error, if it has one."""
+    return f"{shown(value, unit)} +- {shown(error, unit)}" if error > 0.0 else shown(value, unit)
+
+
+def _share(values: Floats | None, errors: Floats | None, row: int, k: int) -> str:
+    """Return a share with its standard error, nothing if it is not known."""
+    if values is None:
+        return ""
+    return f"{values[row, k]:.1%}" + ("" if errors is None else f" +- {errors[row, k]:.1%}")

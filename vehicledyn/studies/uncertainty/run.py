@@ -10,17 +10,17 @@ from numpy.typing import NDArray
 
 from vehicledyn.analyse.polynomial_chaos import fit_chaos
 from vehicledyn.analyse.reliability import Reliability, failing_chance
+from vehicledyn.analyse.sobol_indices import sobol_samples
 from vehicledyn.analyse.uncertainty import (
     failing,
     first_order,
     first_order_shares,
     samples,
     second_order,
-    sobol,
     spread,
 )
 from vehicledyn.analyses.preparation.prepared import Progress
-from vehicledyn.base.errors import InputError
+from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.base.step_memory import Memory, Shelf
 from vehicledyn.base.units import shown
 from vehicledyn.files.scenario import LoadedScenario
@@ -39,6 +39,12 @@ _UNEVEN = 0.01
 
 _MISSED = 0.05
 """Part of the variance that an expansion may miss without a warning."""
+
+_UNSURE = 0.05
+"""Standard error of a share of the variance that is not warned of."""
+
+_FEWEST = 4
+"""Sets of runs that Sobol indices are computed from."""
 
 
 def find_uncertainty(
@@ -130,12 +136,32 @@ def _by_curvatures(cases: Cases, *_: int) -> UncertaintyReport:
 
 
 def _by_indices(cases: Cases, number: int, seed: int) -> UncertaintyReport:
-    first, total = sobol(cases.figures_at, cases.laws, number, seed)
-    figures = np.array(cases.known)
-    risks = list(_counted(cases, figures))
+    found = sobol_samples(cases.figures_at, cases.laws, number, seed)
+    complete = found.complete()
+    if len(complete.one) < _FEWEST:
+        raise NumericalError(
+            f"{number - len(complete.one)} of {number} sets of runs have one that failed, too many "
+            f"for indices: take method sequence; the first: {cases.failures[0]}"
+        )
+    shares = complete.shares()
+    if shares.first_error.max() > _UNSURE or shares.total_error.max() > _UNSURE:
+        cases.notes.append(
+            "warning: shares of the variance have standard errors of up to "
+            f"{max(shares.first_error.max(), shares.total_error.max()):.0%}: take a larger number, "
+            "or method polynomial_chaos where figures are smooth"
+        )
     return cases.report(
-        "sobol", spread(figures), shares=first, totals=total, figures=figures, risks=risks
+        "sobol",
+        spread(_known(found.independent)),
+        shares=shares,
+        figures=np.array(cases.known),
+        risks=list(_counted(cases, found.independent)),
     )
+
+
+def _known(figures: Floats) -> Floats:
+    """Return the rows (number, m) of runs that did not fail."""
+    return figures[np.isfinite(figures).all(axis=1)]
 
 
 def _by_samples(method: str) -> Callable[[Cases, int, int], UncertaintyReport]:
@@ -143,9 +169,10 @@ def _by_samples(method: str) -> Callable[[Cases, int, int], UncertaintyReport]:
         drawn = samples(cases.laws, number, seed, scrambled=method != "monte_carlo")
         figures = cases.figures_at(drawn)
         risks = list(_counted(cases, figures))
+        kept = np.isfinite(figures).all(axis=1)
         if method != "polynomial_chaos":
-            return cases.report(method, spread(figures), figures=figures, risks=risks)
-        chaos = fit_chaos(cases.laws, drawn, figures)
+            return cases.report(method, spread(figures[kept]), figures=figures, risks=risks)
+        chaos = fit_chaos(cases.laws, drawn[kept], figures[kept])
         cases.notes.append(f"{len(chaos.powers)} polynomials up to degree {chaos.degree}")
         for item, missed in zip(cases.quantities, chaos.missed, strict=True):
             warning = "warning: " if missed > _MISSED else ""
@@ -153,9 +180,8 @@ def _by_samples(method: str) -> Callable[[Cases, int, int], UncertaintyReport]:
                 f"{warning}of runs left out the polynomials miss {missed:.2g} of the variance of "
                 f"{item.name}"
             )
-        shares, totals = chaos.indices()
         return cases.report(
-            method, chaos.spread, shares=shares, totals=totals, figures=figures, risks=risks
+            method, chaos.spread, shares=chaos.shares(), figures=figures, risks=risks
         )
 
     return sampled

@@ -166,4 +166,6 @@ def table_of(report: UncertaintyReport) -> UncertaintyTable:
             for name, words, share, low, high in report.risks
         ),
         report.notes,
+        given(report.shares_error, (m, n)),
+        given(report.totals_error, (m, n)),
     )
