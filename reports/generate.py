@@ -33,7 +33,7 @@ COLUMNS = ("source", "quantity", "reference", "computed", "band", "verdict")
 
 def compute(told: Callable[[str, float | None], None]) -> list[Group]:
     """Return all comparisons, computed now; ``told`` hears what is going on."""
-    for folder in (CASES, HERE):
+    for folder in (CASES.parent, CASES, HERE):
         if str(folder) not in sys.path:
             sys.path.insert(0, str(folder))
     from reference_cases.groups import GROUPS, computed

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from outlines import ArcOutline, ConeOutline
 from scipy.optimize import brentq
 
 from vehicledyn.analyse.equilibrium import assemble, find_equilibrium
@@ -25,7 +26,6 @@ from vehicledyn.rail.creep.johnson_vermeulen import JohnsonVermeulen
 from vehicledyn.rail.geometry.contact_geometry import MountedWheel, place_rail
 from vehicledyn.rail.geometry.wheelset_geometry import WheelsetOnTrack, stand
 from vehicledyn.rail.profiles.named_profiles import named_profile
-from vehicledyn.rail.profiles.outline import ArcOutline, ConeOutline
 from vehicledyn.rail.track.track import Track, TrackFrame
 from vehicledyn.symbolic import ops, rotations
 

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from outlines import ArcOutline, ConeOutline
 from ruamel.yaml import YAML
 
 from vehicledyn.analyse.equilibrium import assemble
@@ -27,7 +28,6 @@ from vehicledyn.rail.contact.rigid_contact import RigidRailWheels, RigidWheel
 from vehicledyn.rail.contact.rigid_touch import TouchingWheel
 from vehicledyn.rail.contact.rolling_contact import Material
 from vehicledyn.rail.creep.tanh import Tanh
-from vehicledyn.rail.profiles.outline import ArcOutline, ConeOutline
 from vehicledyn.rail.track.track import Track
 
 pytestmark = pytest.mark.validation

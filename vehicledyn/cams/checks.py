@@ -20,7 +20,6 @@ from vehicledyn.cams.geometry import CamGeometry
 from vehicledyn.cams.motion_law import MotionLaw
 from vehicledyn.cams.opposite import OppositeCam, opposite_of
 
-Array = NDArray[np.float64]
 _SAMPLES = 3600
 _JUMP = 1e-9
 _LARGEST = 1e6

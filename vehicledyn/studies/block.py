@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vehicledyn.analyses.simulation.lost_control import lost_control
 from vehicledyn.base.errors import InputError, VehicledynError
@@ -35,7 +34,6 @@ from vehicledyn.studies.load import LoadedStudy
 from vehicledyn.studies.model import Case, Model, make_model
 from vehicledyn.studies.recipe import Recipe
 
-Floats: TypeAlias = NDArray[np.float64]
 Tell: TypeAlias = Callable[[str, float | None], None]
 
 

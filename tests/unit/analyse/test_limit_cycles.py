@@ -26,7 +26,7 @@ from vehicledyn.analyse.periodic.branch import follow_cycles
 from vehicledyn.analyse.periodic.collocation import Scales, condense
 from vehicledyn.analyse.periodic.critical import find_balance, find_hopf, follow_balance
 from vehicledyn.analyse.periodic.cycle_points import Branch, Limits
-from vehicledyn.analyse.periodic.cycles_at import cycle_at
+from vehicledyn.analyse.periodic.cycles_at import cycle_beside, points_beside
 from vehicledyn.analyse.periodic.orbit_steps import BranchSteps
 from vehicledyn.analyses.hunting.critical_values import lowest_stable
 from vehicledyn.base.errors import InputError, NumericalError
@@ -97,11 +97,15 @@ def van_der_pol_branch():
     return model, follow_cycles(model, start, None, Limits(0.05, 10.0, 0.4))
 
 
+def cycles_at(model, branch, value):
+    return [cycle_beside(model, near, value) for near in points_beside(branch, value)]
+
+
 @pytest.mark.parametrize("mu", [1.0, 5.0, 10.0])
 def test_van_der_pol_as_by_integration(van_der_pol_branch, mu):
     """Period and amplitude for μ = 1, 5, 10 as an integration to 1e-12 has them."""
     model, branch = van_der_pol_branch
-    (cycle,) = cycle_at(model, branch, mu)
+    (cycle,) = cycles_at(model, branch, mu)
 
     def rates(_, y):
         return [y[1], mu * (1.0 - y[0] ** 2) * y[1] - y[0]]
@@ -123,7 +127,7 @@ def test_van_der_pol_as_by_integration(van_der_pol_branch, mu):
 def test_van_der_pol_period_as_published(van_der_pol_branch):
     """T = 6.66328686 for μ = 1 (perturbation series of Andersen and Geer, 1982)."""
     model, branch = van_der_pol_branch
-    (cycle,) = cycle_at(model, branch, 1.0)
+    (cycle,) = cycles_at(model, branch, 1.0)
     assert cycle.orbit.period == pytest.approx(6.66328686, abs=2e-8)
 
 

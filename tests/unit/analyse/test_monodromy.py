@@ -91,8 +91,8 @@ def test_multipliers_of_collocation_on_a_smooth_cycle():
     point = branch.points[-1]
     scales = Scales(point.orbit.scales(), point.orbit.period, 1.0)
     product = np.eye(2)
-    for transfer in condense(model, point.orbit, point.orbit, scales).transfers:
-        product = transfer @ product
+    for solved in condense(model, point.orbit, point.orbit, scales).solved:
+        product = -solved[-2:, :2] @ product  # the map from mesh point to mesh point
     wanted = np.sort(np.linalg.eigvals(product).real)
     assert np.sort(point.multipliers.all.real) == pytest.approx(wanted, abs=1e-6)
 

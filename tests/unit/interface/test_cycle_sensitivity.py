@@ -9,7 +9,7 @@ from cycle_examples import field, from_hopf
 from solve_examples import build, symbols
 
 import vehicledyn as vd
-from vehicledyn.analyse.periodic.cycles_at import cycle_at
+from vehicledyn.analyse.periodic.cycles_at import cycle_beside, points_beside
 from vehicledyn.analyse.periodic.fine_orbits import FineOrbits
 from vehicledyn.analyse.periodic.orbit_slopes import ParameterSlopes, orbit_slopes
 from vehicledyn.analyses.sensitivity import cycles
@@ -46,7 +46,7 @@ def test_circles_follow_their_closed_form():
     model = field(circles(), "mu")
     _, branch = from_hopf(model, -1.0, 0.5)
     value, slopes = -0.2, ParameterSlopes(model, range(5), [0, 1, 2])
-    cycles = cycle_at(model, branch, value)
+    cycles = [cycle_beside(model, p, value) for p in points_beside(branch, value)]
     assert len(cycles) == 2
     for cycle, sign in zip(cycles, (1.0, -1.0), strict=True):
         fine = FineOrbits(model, slopes.asked).at(cycle.orbit)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from outlines import ArcOutline
 
 from vehicledyn.analyse.equilibrium import assemble
 from vehicledyn.kernel.make_kernel import compile_kernel
@@ -13,7 +14,6 @@ from vehicledyn.rail.contact.rigid_contact import RigidRailWheels, RigidWheel
 from vehicledyn.rail.contact.rigid_touch import TouchingWheel
 from vehicledyn.rail.contact.rolling_contact import Material
 from vehicledyn.rail.creep.tanh import Tanh
-from vehicledyn.rail.profiles.outline import ArcOutline
 from vehicledyn.rail.track.track import Track, TrackFrame
 from vehicledyn.symbolic import ops, rotations
 

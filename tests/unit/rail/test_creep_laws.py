@@ -11,7 +11,6 @@ from vehicledyn.base.registry import find, kinds
 from vehicledyn.rail.creep import creep_law, polach
 from vehicledyn.rail.creep.creep_law import CreepContact, kalker_forces
 from vehicledyn.rail.creep.kalker import creep_coefficients
-from vehicledyn.rail.creep.tanh import wheelset_ellipse
 from vehicledyn.rail.creep.vermeulen import vermeulen_factors
 from vehicledyn.rail.geometry.hertz import ContactEllipse, hertz
 from vehicledyn.symbolic import ops
@@ -352,13 +351,22 @@ def test_polach_opposes_spin_by_its_side_force():
     assert small == pytest.approx(float(kalker.lateral), rel=1e-3)
 
 
+def wheelset_ellipse(load, curvature_sum):
+    """Return the ellipse of the wheelset problem, c³ = 3 N (1 - ν) E/(2 π G (A + B) √g).
+
+    a = c √g and b = c/√g, with g the ratio of the axes and E the elliptic integral for it.
+    """
+    g, integral, modulus = 0.7115218, 1.3537956, 7.92e10
+    c = (1.5 * load * 0.72 * integral / (math.pi * modulus * curvature_sum * math.sqrt(g))) ** (
+        1.0 / 3.0
+    )
+    return ContactEllipse(c * math.sqrt(g), c / math.sqrt(g))
+
+
 def test_tanh_is_the_law_of_the_wheelset_problem():
     wheelset = law("tanh", friction=0.12, c11=4.72772197, c22=4.27526987, c23=1.97203505)
     load, xi, eta, phi, g = 80.0, 1e-3, -4e-4, 0.25, 7.92e10
-    ellipse = wheelset_ellipse(
-        load, 13.3, g, 0.28, axis_ratio=0.7115218, elliptic_integral=1.3537956
-    )
-    felt = CreepContact(xi, eta, phi, load, ellipse, g, 0.28)
+    felt = CreepContact(xi, eta, phi, load, wheelset_ellipse(load, 13.3), g, 0.28)
     forces = wheelset.forces(felt)
     c = (3.0 * load * 0.72 * 1.3537956 / (2.0 * math.pi * 13.3 * g * math.sqrt(0.7115218))) ** (
         1 / 3
@@ -379,9 +387,7 @@ def test_the_wheelset_problems_ellipse_is_hertzs():
     """
     a, b = 0.5 * math.cos(0.0262) / 0.1, 0.5 / 0.06
     exact = hertz(a, b, 7.92e10 / 0.72).ellipse(80.0)
-    theirs = wheelset_ellipse(
-        80.0, a + b, 7.92e10, 0.28, axis_ratio=0.7115218, elliptic_integral=1.3537956
-    )
+    theirs = wheelset_ellipse(80.0, a + b)
     area, own = (e.semi_axis_x * e.semi_axis_y for e in (exact, theirs))
     assert own == pytest.approx(area, rel=1e-4)
     assert exact.semi_axis_y / exact.semi_axis_x == pytest.approx(0.7115218, rel=1e-4)

@@ -11,7 +11,6 @@ from vehicledyn.rail.geometry.hertz import (
     effective_modulus,
     hertz,
     is_hertzian,
-    principal_half_sums,
 )
 from vehicledyn.rail.geometry.hertz_shape import ellipse_shape, exact_shape
 from vehicledyn.symbolic import ops
@@ -117,20 +116,3 @@ def test_modulus_of_equal_and_of_unequal_bodies():
     )
     rigid = effective_modulus(2.1e11, 0.28, 1e30, 0.28)
     assert rigid == pytest.approx(2.1e11 / (1.0 - 0.28**2), rel=1e-12)
-
-
-def test_half_sums_of_crossed_cylinders():
-    """Equal cylinders at right angles touch like a sphere; parallel ones along a line."""
-    crossed = principal_half_sums((0.0, 2.0), (0.0, 2.0), 0.5 * math.pi)
-    assert crossed == (pytest.approx(1.0, abs=1e-9), pytest.approx(1.0, abs=1e-9))
-    parallel = principal_half_sums((0.0, 2.0), (0.0, 2.0), 0.0)
-    assert parallel == (pytest.approx(0.0, abs=1e-9), pytest.approx(2.0, abs=1e-9))
-
-
-def test_half_sums_are_those_of_the_gap():
-    """The eigenvalues of the quadratic form of the gap, with one body turned."""
-    first, second, angle = (0.2, 1.7), (3.0, -0.4), 0.6
-    c, s = math.cos(angle), math.sin(angle)
-    turn = np.array([[c, -s], [s, c]])
-    gap = 0.5 * (np.diag(first) + turn @ np.diag(second) @ turn.T)
-    assert principal_half_sums(first, second, angle) == pytest.approx(np.linalg.eigvalsh(gap))

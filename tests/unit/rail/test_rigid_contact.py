@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
+from outlines import ArcOutline, ConeOutline
 from rigid_examples import (
     STRAIGHT,
     Circle,
@@ -19,7 +20,6 @@ from vehicledyn.multibody.recursion.numeric_kinematics import raw_skeleton
 from vehicledyn.rail.geometry.contact_geometry import MountedWheel, place_rail
 from vehicledyn.rail.geometry.wheelset_geometry import WheelsetOnTrack, stand
 from vehicledyn.rail.profiles.named_profiles import named_profile
-from vehicledyn.rail.profiles.outline import ArcOutline, ConeOutline
 from vehicledyn.symbolic import ops
 
 SHAPES = {

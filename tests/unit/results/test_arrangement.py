@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from vehicledyn.results.labelled.requested import save_standard
 from vehicledyn.results.plots.arrangement import MOST_LINES, MOST_PANELS, arranged
 from vehicledyn.results.plots.plot_description import Panel, TimePlot
-from vehicledyn.results.plots.run_plots import draw_plots
 from vehicledyn.results.store.reader import open_result
 
 TIME = np.linspace(0.0, 1.0, 11)
@@ -61,5 +61,5 @@ def test_an_arranged_figure_names_every_line(make_result, tmp_path):
     ]
     values = {"c.large": ("m", TIME), "c.small": ("m", 1e-3 * TIME)}
     path = make_result(time=TIME, values=values, plots=plots)
-    (picture,) = draw_plots(path, tmp_path / "figures", formats=["svg"])
+    (picture,) = save_standard({"": path}, tmp_path / "figures", formats=["svg"])
     assert picture.read_text().count('id="legend_') == 2

@@ -13,7 +13,8 @@ from vehicledyn.results.compare.run_compare import compare_files
 from vehicledyn.results.info import describe_result
 from vehicledyn.results.labelled import export
 from vehicledyn.results.labelled.data import open_result as open_labelled
-from vehicledyn.results.plots import run_plots
+from vehicledyn.results.plots import figures
+from vehicledyn.results.plots.standard import figure_sets
 from vehicledyn.results.store import decimation
 from vehicledyn.results.store.layout import SampleAxis
 from vehicledyn.results.store.reader import open_result
@@ -92,13 +93,13 @@ def test_few_samples_are_in_memory(make_result):
     assert (found.start, found.end, found.samples) == (0.0, 5.0, 101)
 
 
-def test_long_runs_are_drawn_by_their_envelope(make_result, tmp_path, monkeypatch):
+def test_long_runs_are_drawn_by_their_envelope(make_result, monkeypatch):
     drawn = []
-    monkeypatch.setattr(run_plots, "MOST_SAMPLES", 20)
-    monkeypatch.setattr(run_plots, "draw_figure", lambda r, _: drawn.append(r.channel("x").values))
-    monkeypatch.setattr(run_plots, "save_figures", lambda figures, *_: [*figures] and [])
+    monkeypatch.setattr(
+        figures, "draw_figure", lambda r, _, **__: drawn.append(r.channel("x").values)
+    )
     path = make_result(time=TIME, values=a(x=(77, 9.0)), plots=[])
-    run_plots.draw_plots(path, tmp_path)
+    list(figure_sets({"": path}, most=20))
     assert drawn and all(len(values) <= 22 and values.max() == 9.0 for values in drawn)
 
 

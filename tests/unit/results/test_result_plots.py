@@ -7,10 +7,12 @@ from matplotlib.figure import Figure
 from result_files import PLOTS, slalom_values
 
 from vehicledyn.base.errors import InputError
+from vehicledyn.results.labelled.data import open_result as open_labelled
+from vehicledyn.results.labelled.requested import save_requested, save_standard
 from vehicledyn.results.plots.figures import draw_figure
 from vehicledyn.results.plots.plot_description import read_plots, unit_factor
 from vehicledyn.results.plots.plot_style import axis_label
-from vehicledyn.results.plots.run_plots import default_plots, draw_plots, plots_of
+from vehicledyn.results.plots.run_plots import default_plots, plots_of
 from vehicledyn.results.store.reader import open_result
 
 PATH, LOADS = PLOTS
@@ -27,7 +29,7 @@ def texts_of(figure):
 
 
 def test_pictures_exist_and_show_something(make_result, tmp_path):
-    files = draw_plots(make_result(), tmp_path / "new" / "plots")
+    files = save_standard({"": make_result()}, tmp_path / "new" / "plots")
     assert [file.name for file in files] == ["path.png", "path.svg", "loads.png", "loads.svg"]
     for file in files:
         if file.suffix == ".png":
@@ -108,22 +110,22 @@ def test_a_partial_result_says_so_in_the_title(make_result, tmp_path):
     path = make_result(status="interrupted", message="")
     assert "(partial: interrupted at t = 22 s)" in drawn(path, "loads").get_suptitle()
     assert "partial" not in drawn(make_result("whole.h5"), "loads").get_suptitle()
-    assert draw_plots(path, tmp_path, names=["path"], formats=["png"])[0].stat().st_size > 10_000
+    assert save_standard({"": path}, tmp_path, formats=["png"])[0].stat().st_size > 10_000
 
 
 def test_samples_that_are_not_finite_are_left_out(make_result, tmp_path):
     time, values = slalom_values()
     for name in ("chassis.x", "chassis.roll"):
         values[name][1][-5:] = np.nan
-    assert len(draw_plots(make_result(time=time, values=values), tmp_path / "p")) == 4
+    assert len(save_standard({"": make_result(time=time, values=values)}, tmp_path / "p")) == 4
     values["chassis.x"][1][:] = np.inf
     with pytest.raises(InputError, match="no finite positions"):
-        draw_plots(make_result(time=time, values=values), tmp_path / "p")
+        save_standard({"": make_result(time=time, values=values)}, tmp_path / "p")
 
 
 def test_equal_results_give_equal_pictures(make_result, tmp_path):
-    first = draw_plots(make_result("a.h5"), tmp_path / "a")
-    second = draw_plots(make_result("b.h5"), tmp_path / "b")
+    first = save_standard({"": make_result("a.h5")}, tmp_path / "a")
+    second = save_standard({"": make_result("b.h5")}, tmp_path / "b")
     for one, other in zip(first, second, strict=True):
         assert one.read_bytes() == other.read_bytes()
 
@@ -132,7 +134,7 @@ def test_each_picture_is_drawn_once(make_result, tmp_path, monkeypatch):
     """A layout engine that is left in place makes every format draw twice."""
     drawn, draw = [], Figure.draw
     monkeypatch.setattr(Figure, "draw", lambda f, renderer: (drawn.append(f), draw(f, renderer)))
-    assert len(draw_plots(make_result(), tmp_path)) == len(drawn) > 0
+    assert len(save_standard({"": make_result()}, tmp_path)) == len(drawn) > 0
 
 
 def test_a_file_without_descriptions_is_plotted_by_unit(make_result, tmp_path):
@@ -143,7 +145,7 @@ def test_a_file_without_descriptions_is_plotted_by_unit(make_result, tmp_path):
         assert sorted(shown) == sorted(result.channels)
     assert list(plots) == ["channels_m", "channels_rad", "channels_N"]
     assert len(plots["channels_N"].panels[0].channels) == 2
-    assert len(draw_plots(path, tmp_path, formats=["png"])) == 3
+    assert len(save_standard({"": path}, tmp_path, formats=["png"])) == 3
 
 
 def test_many_channels_are_spread_over_figures(make_result):
@@ -182,20 +184,20 @@ def test_two_plots_of_one_name_are_refused():
 def test_requests_that_cannot_be_met(make_result, tmp_path):
     path = make_result()
     with pytest.raises(InputError, match="did you mean 'loads'"):
-        draw_plots(path, tmp_path, names=["load"])
+        save_requested({"": open_labelled(path)}, tmp_path, patterns=["load"])
     with pytest.raises(InputError, match="picture format"):
-        draw_plots(path, tmp_path, formats=["bmp"])
+        save_standard({"": path}, tmp_path, formats=["bmp"])
     with pytest.raises(InputError, match="cannot be written"):
-        draw_plots(path, path)
+        save_standard({"": path}, path)
     missing = {**LOADS, "panels": [{"label": "a", "unit": "m", "channels": ["chassis.rol"]}]}
     with pytest.raises(InputError, match="did you mean 'chassis"):
-        draw_plots(make_result(plots=[missing]), tmp_path)
+        save_standard({"": make_result(plots=[missing])}, tmp_path)
     wrong = {**LOADS, "panels": [{"label": "a", "unit": "m", "channels": ["chassis.roll"]}]}
     with pytest.raises(InputError, match="cannot be shown in m"):
-        draw_plots(make_result(plots=[wrong]), tmp_path)
+        save_standard({"": make_result(plots=[wrong])}, tmp_path)
     empty = make_result(time=np.empty(0), values={"a": ("m", np.empty(0))}, plots=())
-    with pytest.raises(InputError, match="no samples"):
-        draw_plots(empty, tmp_path)
+    with pytest.raises(InputError, match="nothing to draw"):
+        save_standard({"": empty}, tmp_path)
 
 
 def test_units_and_labels():

@@ -6,8 +6,10 @@ from pathlib import Path
 import casadi
 import numpy as np
 import pytest
+from contact_search import find_contact
 from scipy.optimize import brentq
 
+import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.base.errors import InputError
 from vehicledyn.files.scenario import load_scenario
 from vehicledyn.multibody.equations.derivation import derive
@@ -21,7 +23,6 @@ from vehicledyn.road.tyres.magic_formula_1987 import MagicFormula1987
 from vehicledyn.road.tyres.tyre import TyreInput
 from vehicledyn.road.tyres.tyre_of_file import TyreOfFile
 from vehicledyn.road.wheel import relaxation as transient
-from vehicledyn.road.wheel.contact_search import find_contact
 from vehicledyn.road.wheel.relaxation import Relaxation, TyreRelaxation
 from vehicledyn.road.wheel.road_wheel import RoadWheel
 from vehicledyn.road.wheel.slip import SlipFloors

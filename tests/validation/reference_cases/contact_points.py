@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from contact_search import find_contact
 
 from reference_cases.comparison import Group, deviation
 from reference_cases.tables import read_rows
 from vehicledyn.road.surfaces.flat import Flat
 from vehicledyn.road.surfaces.plane import Plane
 from vehicledyn.road.surfaces.sine import Sine
-from vehicledyn.road.wheel.contact_search import find_contact
 
 ROADS = {
     "flat": Flat(),

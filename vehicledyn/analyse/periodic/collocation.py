@@ -83,12 +83,6 @@ class Condensed:
         """Number of states."""
         return int(self.orbit.states.shape[1])
 
-    @property
-    def transfers(self) -> Vector:
-        """Maps of scaled changes from mesh point to mesh point, shape (n, n_kept, n_kept)."""
-        n = self.size
-        return -self.solved[:, -n:, :n]
-
     @cached_property
     def _parts(self) -> tuple[Any, Any]:
         """Row and column indices of the blocks that couple neighbouring mesh points."""

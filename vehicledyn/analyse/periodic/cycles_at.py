@@ -21,17 +21,6 @@ _FARTHEST = 0.4
 """Largest way along the branch that a guess is carried."""
 
 
-def cycle_at(model: AutonomousField, branch: Branch, value: float) -> list[CyclePoint]:
-    """Return the cycles of a branch at a value of the parameter, in the order of the branch.
-
-    Raises
-    ------
-    NumericalError
-        If one of them is not found again from its neighbours.
-    """
-    return [cycle_beside(model, near, value) for near in points_beside(branch, value)]
-
-
 def points_beside(branch: Branch, value: float) -> list[CyclePoint]:
     """Return the points of a branch that are next to a value of the parameter, in its order."""
     found: list[CyclePoint] = []

@@ -5,70 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from vehicledyn.analyse.equilibrium import assemble
-from vehicledyn.base.errors import InputError, NumericalError
+from vehicledyn.base.errors import NumericalError
 from vehicledyn.kernel.kernel import Kernel
-from vehicledyn.kernel.make_kernel import Backend, compile_kernel
-from vehicledyn.multibody.equations.inverse_dynamics import InverseDynamics, derive_inverse
-from vehicledyn.multibody.model.system import System
+from vehicledyn.multibody.equations.inverse_dynamics import InverseDynamics
 
 Array = NDArray[np.float64]
 
 _SINGULAR = 1e-5
 """Ratio of the smallest and largest singular value of a loop below which a place is singular [1],
 that of sweeps."""
-
-
-def inverse_dynamics(
-    system: System | InverseDynamics,
-    times: ArrayLike,
-    positions: ArrayLike,
-    rates: ArrayLike,
-    accelerations: ArrayLike,
-    *,
-    coordinates: Sequence[str] | None = None,
-    backend: Backend = "auto",
-) -> dict[str, Array]:
-    """Return all channels along a prescribed motion, forces "<coordinate>_force" among them.
-
-    Loops are closed at each time from where they were at the time before; further states of
-    parts, such as those of relaxing tyres, stay at their start.
-
-    Parameters
-    ----------
-    system
-        A system, or its inverse dynamics derived before.
-    times
-        Shape (n_times,) [s].
-    positions, rates, accelerations
-        Of the prescribed coordinates, each of shape (n_times, n_coordinates) in SI.
-    coordinates
-        Names of the prescribed coordinates of a system; the independent ones if None.
-    backend
-        Passed to :func:`~vehicledyn.kernel.make_kernel.compile_kernel`.
-
-    Returns
-    -------
-    dict
-        Values by channel, each of shape (n_times,), in the units of the channels.
-
-    Raises
-    ------
-    InputError
-        If the shapes do not fit each other and the coordinates.
-    NumericalError
-        If a loop cannot be closed on the way; names it and the time.
-    """
-    inverse = system if isinstance(system, InverseDynamics) else derive_inverse(system, coordinates)
-    kernel = compile_kernel(inverse.equations, backend=backend)
-    instants = np.atleast_1d(np.asarray(times, dtype=float))
-    motion = [_table(item, len(instants)) for item in (positions, rates, accelerations)]
-    rows = [row for row, _ in channel_rows(inverse, kernel, instants, motion)]
-    columns = np.array(rows).reshape(len(instants), len(inverse.equations.channels)).T
-    names = [channel.name for channel in inverse.equations.channels]
-    return dict(zip(names, columns, strict=True))
 
 
 def channel_rows(
@@ -117,13 +65,3 @@ def _refuse_singular(kernel: Kernel, time: float, state: Array, unknowns: Array)
                 f"the motion reaches a singular place of block '{block.name}' at t = {time:.6g} s, "
                 "as a dead centre: forces are not determined there; prescribe another coordinate"
             )
-
-
-def _table(values: ArrayLike, n_times: int) -> Array:
-    """Return values of shape (n_times, n_coordinates)."""
-    table = np.asarray(values, dtype=float)
-    if table.ndim != 2 or table.shape[0] != n_times:
-        raise InputError(
-            f"the motion has the shape {table.shape}; give one row for each of {n_times} times"
-        )
-    return table

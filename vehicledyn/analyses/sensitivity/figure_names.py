@@ -34,12 +34,6 @@ def is_figure_of_run(name: str, equations: Equations) -> bool:
     return "(" not in name and all(name != channel.name for channel in equations.channels)
 
 
-def check_figures(loaded: LoadedScenario, of: Sequence[str], progress: Progress) -> None:
-    """Refuse names that are no figures; raises as :func:`check_names`, and for curves."""
-    for words in wrong_figures(loaded, of, progress).values():
-        raise InputError(words)
-
-
 def check_names(loaded: LoadedScenario, of: Sequence[str], progress: Progress) -> None:
     """Refuse names that are neither channels nor figures of the run.
 

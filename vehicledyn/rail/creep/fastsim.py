@@ -21,9 +21,8 @@ class Fastsim(CreepLaw):
     moment is that of these tractions.
 
     Without spin this grid is within 0.3 % of μ N of infinitely fine ones; with spin, mostly
-    within 7 %, 20 by 20 within 5 %, in proportion to one over the number of elements.
-    :func:`vehicledyn.rail.creep.simplified_theory.fine_forces` takes as many as a tolerance asks
-    for; the infinitely fine grid is up to 11 % of μ N off the exact curves where spin alone slides.
+    within 7 %, 20 by 20 within 5 %, in proportion to one over the number of elements;
+    the infinitely fine grid is up to 11 % of μ N off the exact curves where spin alone slides.
 
     References
     ----------

@@ -30,14 +30,10 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
-from vehicledyn.base.errors import InputError
 from vehicledyn.rail.creep.creep_law import CreepContact, CreepForces
 from vehicledyn.rail.creep.kalker import creep_coefficients
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar
-
-LARGEST_GRID = 1280
-"""Most strips and elements that :func:`fine_forces` takes."""
 
 TRACTION_FLOOR = 1e-9
 """Rounds the magnitude of tractions over the largest bound where they vanish [1]."""
@@ -141,40 +137,6 @@ def _columns(rates: Rates) -> Rates:
     import numpy as np
 
     return Rates(*(np.asarray(rate)[..., None] for rate in vars(rates).values()))
-
-
-def fine_forces(contact: CreepContact, friction: float, tolerance: float) -> CreepForces:
-    """Return the forces of numbers, on a grid that is refined until they change no more.
-
-    Parameters
-    ----------
-    contact
-        Creepages, load, ellipse and material, all numbers; the load positive.
-    friction
-        Friction coefficient μ [1].
-    tolerance
-        Largest change of a force, over μ N, when strips and elements are doubled; the error is
-        of this size [1].
-
-    Raises
-    ------
-    InputError
-        If 1280 strips and elements do not suffice.
-    """
-    limit = friction * contact.normal_force
-    both = rates_of(contact, limit), sliding_rates(contact, limit)
-    size, sums = 10, march_arrays(*both, 10, 10)
-    while size < LARGEST_GRID:
-        size, before = 2 * size, sums
-        sums = march_arrays(*both, size, size)
-        if _change(before, sums) <= tolerance:
-            return total(contact, limit, sums)
-    raise InputError(f"FASTSIM: a tolerance of {tolerance:g} needs more than {size} strips")
-
-
-def _change(before: Sums, after: Sums) -> float:
-    pairs = zip(vars(before).values(), vars(after).values(), strict=True)
-    return max(abs(float(x) - float(y)) for x, y in pairs)
 
 
 def _strips(count: int) -> list[tuple[float, float, float]]:

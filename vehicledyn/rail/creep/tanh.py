@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 from vehicledyn.base.parameters import quantity
 from vehicledyn.base.registry import register
 from vehicledyn.rail.creep.creep_law import (
@@ -15,9 +13,7 @@ from vehicledyn.rail.creep.creep_law import (
     linear_forces,
 )
 from vehicledyn.rail.creep.kalker import CreepCoefficients
-from vehicledyn.rail.geometry.hertz import ContactEllipse
 from vehicledyn.symbolic import ops
-from vehicledyn.symbolic.ops import Scalar
 
 
 @register("creep", "tanh")
@@ -28,8 +24,7 @@ class Tanh(CreepLaw):
 
     and both scaled back where together they exceed μ N. No spin moment. The coefficients do not
     depend on the shape of the contact: the law of the wheelset problem of the Test Set for IVP
-    Solvers, whose ellipse :func:`wheelset_ellipse` gives. Creepages there refer to the mean of
-    travelling and rolling speed.
+    Solvers. Creepages there refer to the mean of travelling and rolling speed.
 
     References
     ----------
@@ -52,38 +47,3 @@ class Tanh(CreepLaw):
         y = ops.tanh(linear.lateral / floor)
         kept = limit / ops.maximum(1.0, ops.smooth_norm(x, y, RELATIVE_FLOOR))
         return CreepForces(kept * x, kept * y, 0.0)
-
-
-def wheelset_ellipse(
-    normal_force: Scalar,
-    curvature_sum: Scalar,
-    shear_modulus: Scalar,
-    poissons_ratio: float,
-    *,
-    axis_ratio: float,
-    elliptic_integral: float,
-) -> ContactEllipse:
-    """Return the ellipse of the wheelset problem, whose shape does not change.
-
-    c³ = 3 N (1 - ν) E / (2 π G (A + B) √g),    a = c √g, b = c/√g
-
-    Parameters
-    ----------
-    normal_force
-        N [N].
-    curvature_sum
-        A + B, half sum of all curvatures [1/m].
-    shear_modulus
-        G of both bodies [N/m²].
-    poissons_ratio
-        ν of both bodies [1].
-    axis_ratio
-        g, short over long axis; which is which has no effect on the forces [1].
-    elliptic_integral
-        E, complete elliptic integral of the second kind for that shape [1].
-    """
-    force = ops.maximum(normal_force, RELATIVE_FLOOR)
-    root = math.sqrt(axis_ratio)
-    material = (1.0 - poissons_ratio) * elliptic_integral / (shear_modulus * root)
-    c = (1.5 / math.pi * force * material / curvature_sum) ** (1.0 / 3.0)
-    return ContactEllipse(c * root, c / root)

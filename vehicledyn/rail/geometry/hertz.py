@@ -134,25 +134,3 @@ def effective_modulus(
     one = (1.0 - poissons_ratio * poissons_ratio) / youngs_modulus
     other = (1.0 - other_poissons_ratio * other_poissons_ratio) / other_youngs_modulus
     return 1.0 / (one + other)
-
-
-def principal_half_sums(
-    first: tuple[Scalar, Scalar], second: tuple[Scalar, Scalar], angle: Scalar
-) -> tuple[Scalar, Scalar]:
-    """Return A ≤ B of two bodies, along the long and the short axis of their ellipse.
-
-    A + B = ½ Σ κ,    B - A = ½ √(d₁² + d₂² + 2 d₁ d₂ cos 2α),    d = κ_x - κ_y
-
-    Parameters
-    ----------
-    first, second
-        Principal curvatures κ_x, κ_y of each body, convex positive [1/m].
-    angle
-        α between the first principal directions of the bodies [rad].
-    """
-    d1, d2 = first[0] - first[1], second[0] - second[1]
-    total = 0.5 * (first[0] + first[1] + second[0] + second[1])
-    square = d1 * d1 + d2 * d2 + 2.0 * d1 * d2 * ops.cos(2.0 * angle)
-    # The floor is far below any curvature and keeps the slope where all is round.
-    difference = 0.5 * ops.sqrt(ops.maximum(square, 0.0) + 1e-20)
-    return 0.5 * (total - difference), 0.5 * (total + difference)

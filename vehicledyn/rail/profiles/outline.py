@@ -46,29 +46,3 @@ class TableOutline:
         """Return the outline at a lateral place."""
         table = self.height
         return OutlinePoint(table.value(place), table.slope(place), table.curvature(place))
-
-
-@dataclass(frozen=True)
-class ConeOutline:
-    """A cone: z = -γ y, the rolling radius falling outwards with the slope γ [1]."""
-
-    slope: Scalar
-
-    def at(self, place: Scalar) -> OutlinePoint:
-        """Return the outline at a lateral place."""
-        return OutlinePoint(-self.slope * place, -self.slope, 0.0)
-
-
-@dataclass(frozen=True)
-class ArcOutline:
-    """The upper side of a circle of a radius about a centre (y, z) [m]."""
-
-    radius: Scalar
-    centre: tuple[Scalar, Scalar]
-
-    def at(self, place: Scalar) -> OutlinePoint:
-        """Return the outline at a lateral place; nan beyond the radius."""
-        across = place - self.centre[0]
-        up = ops.sqrt(self.radius * self.radius - across * across)
-        bend = -self.radius * self.radius / (up * up * up)
-        return OutlinePoint(self.centre[1] + up, -across / up, bend)

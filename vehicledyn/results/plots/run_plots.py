@@ -5,50 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from vehicledyn.base.errors import InputError, unknown_name
 from vehicledyn.results.plots.default_plots import default_plots
 from vehicledyn.results.plots.figures import draw_figure
-from vehicledyn.results.plots.picture_files import check_formats, save_figures
+from vehicledyn.results.plots.picture_files import save_figures
 from vehicledyn.results.plots.plot_description import PathPlot, Plot, read_plots
 from vehicledyn.results.store.reader import Result, open_result
 
-__all__ = ["default_plots", "draw_described", "draw_plots", "plots_of"]
+__all__ = ["default_plots", "draw_described", "plots_of"]
 
 MOST_SAMPLES = 50_000
 """Samples that a figure shows; of longer runs it shows the envelope."""
-
-
-def draw_plots(
-    path: str | Path,
-    folder: str | Path,
-    names: Sequence[str] | None = None,
-    formats: Sequence[str] = ("png", "svg"),
-) -> list[Path]:
-    """Draw the plots of a result file and return the pictures' paths.
-
-    Parameters
-    ----------
-    path
-        Result file; a partial one is drawn too and says so in the titles.
-    folder
-        Where the pictures go, one a plot and format; made if it is missing.
-    names
-        Names of the plots to draw; all if None.
-    formats
-        Of png, svg and pdf.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, a name, channel or format is unknown, there is nothing
-        to draw, or a picture cannot be written.
-    """
-    check_formats(formats)
-    with open_result(path, MOST_SAMPLES) as result:
-        if not len(result.time):
-            raise InputError(f"{path}: holds no samples to plot ({result.state_of_run})")
-        chosen = _chosen(result, names)
-        return _draw_all(result, chosen, Path(folder), formats)
 
 
 def draw_described(path: Path, folder: Path, share: tuple[int, int] = (0, 1)) -> list[Path]:
@@ -69,14 +35,6 @@ def draw_described(path: Path, folder: Path, share: tuple[int, int] = (0, 1)) ->
 def plots_of(result: Result) -> tuple[Plot, ...]:
     """Return the plots a file describes, or plots of all its channels if it describes none."""
     return read_plots(result.plots, result.path) or default_plots(result)
-
-
-def _chosen(result: Result, names: Sequence[str] | None) -> list[Plot]:
-    plots = {plot.name: plot for plot in plots_of(result)}
-    for name in names or ():
-        if name not in plots:
-            raise InputError(f"{result.path}: {unknown_name('plot', name, plots)}")
-    return [plots[name] for name in names or plots]
 
 
 def _draw_all(

@@ -15,7 +15,6 @@ from typing import ClassVar
 from vehicledyn.base.version import VERSION
 
 LONGEST_CELL = 2000
-LONGEST_TEXT = 200_000
 MOST_ROWS = 2000
 
 

@@ -13,11 +13,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vehicledyn.analyses.preparation.memory.entries import read_entry, write_entry
-
-Vector = NDArray[np.float64]
 
 MOST_EQUATIONS = 200
 """Models that are kept, the youngest."""

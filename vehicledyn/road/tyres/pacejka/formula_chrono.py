@@ -34,9 +34,6 @@ from vehicledyn.road.tyres.tyre import RelaxationLengths, TyreForces, TyreInput
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar
 
-COMBINED = ("ellipse", "pacejka", "none")
-"""Ways of combined slip."""
-
 _ARGUMENT_LIMIT = 0.5 * math.pi - 0.01
 _ADDED_FORCE = 0.1
 _SPEED_MARGIN = 0.1
@@ -56,7 +53,7 @@ class _Curve:
 
 
 def forces_chrono(p: Coefficients, contact: TyreInput, combined: str) -> TyreForces:
-    """Return the forces; ``combined`` is one of :data:`COMBINED`."""
+    """Return the forces; ``combined`` is "ellipse", "pacejka" or "none"."""
     s = state_of(p, contact)
     along, across = _longitudinal(p, s), _lateral(p, s)
     fx, fy, ratio, extra = along.force, across.force, None, 0.0

@@ -19,9 +19,6 @@ from vehicledyn.road.tyres.pacejka.state import Slip, State, state_of
 from vehicledyn.road.tyres.tyre import RelaxationLengths, TyreInput
 from vehicledyn.symbolic import ops
 
-SHORTEST = 0.01
-"""Least relaxation length, for loads that vanish [m]."""
-
 
 def has_coefficients(p: Coefficients) -> bool:
     """Return whether a file has the relaxation coefficients of 5.2."""
