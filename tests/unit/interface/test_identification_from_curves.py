@@ -1,11 +1,13 @@
 """Identification from frequency responses, bench curves and single figures."""
 
+import h5py
 import numpy as np
 import pytest
 
 import vehicledyn as vd
 from vehicledyn.base.errors import InputError
 from vehicledyn.results.tables.identification_table import read_identification
+from vehicledyn.studies.identification.study import load_identification
 
 TRUTH = {"body.stiffness": "25 kN/m", "body.damping": "1.9 kN*s/m"}
 CHANGES = {f"parameters.{name}": value for name, value in TRUTH.items()}
@@ -93,6 +95,49 @@ def test_a_frequency_response_tells_spring_and_damper(tmp_path):
     assert "frequency [Hz]" in read_identification(tmp_path / "out.h5").over
 
 
+COMPLEX = """\
+experiments:
+  shaker:
+    scenario: run.yaml
+    data: shaker.h5
+    figures:
+      gain(body.height, road.height): {over: f, column: H, over_unit: Hz, unit: 1, noise: 0.05}
+      phase(body.height, road.height): {over: f, column: H, over_unit: Hz, noise: 3 deg}
+      imaginary(body.height, road.height): {over: f, column: H, over_unit: Hz, unit: 1, noise: 0.1}
+parameters:
+  body.stiffness: {from: 5 kN/m, to: 60 kN/m}
+"""
+PARTS = ("gain", "phase", "imaginary")
+
+
+def test_parts_of_a_complex_column_are_those_of_plain_columns(tmp_path):
+    """As the data of experiments, which are read from HDF5 and from CSV."""
+    frequencies, values = np.array([1.0, 2.0, 5.0]), np.array([1.1 - 0.1j, -1.5j, 0.2 - 0.4j])
+    with h5py.File(tmp_path / "shaker.h5", "w") as file:
+        file["f"], file["H"] = frequencies, values
+    path = study(tmp_path, COMPLEX)
+    columns = np.abs(values), np.angle(values), values.imag
+    rows = [
+        ", ".join(map(repr, map(float, row))) for row in zip(frequencies, *columns, strict=True)
+    ]
+    head = "f [Hz], gain [1], phase [rad], imaginary [1]"
+    (tmp_path / "shaker.csv").write_text("\n".join([head, *rows]), encoding="utf-8")
+    own = load_identification(path).experiments[0].figures[0].items
+    plain = COMPLEX.replace("shaker.h5", "shaker.csv").replace(", over_unit: Hz, unit: 1", "")
+    plain = plain.replace(", over_unit: Hz", "")
+    for part in PARTS:
+        plain = plain.replace("column: H", f"column: {part}", 1)
+    path.write_text(plain, encoding="utf-8")
+    for one, other in zip(
+        own, load_identification(path).experiments[0].figures[0].items, strict=True
+    ):
+        assert one.figures == other.figures
+        assert list(one.values) == list(other.values)
+    path.write_text(COMPLEX.replace("gain(body.height, road.height)", "rms(strut.force)"), "utf-8")
+    with pytest.raises(InputError, match="has no places; leave 'over' out"):
+        load_identification(path)
+
+
 @pytest.mark.long
 def test_bench_curves_tell_hardpoints(tmp_path):
     """Toe over travel on the rig and over the height of the wheel, and one camber gain."""
@@ -132,6 +177,8 @@ def test_bench_curves_tell_hardpoints(tmp_path):
         ("over: frequency, column: phase", "column: phase", "'value', or the column"),
         ("relative_noise: 0.05", "relative_noise: 0", "above zero"),
         ("    data: shaker.csv\n", "", "needs the 'data'"),
+        ("value: HEIGHT", "value: HEIGHT, unit: mm", "is that of a curve"),
+        ("column: real", "column: real, unit: mm", "is in '1'; leave 'unit' out"),
     ],
 )
 def test_what_is_no_curve_is_refused_in_its_line(tmp_path, old, new, match):
@@ -140,6 +187,7 @@ def test_what_is_no_curve_is_refused_in_its_line(tmp_path, old, new, match):
         encoding="utf-8",
     )
     text = RESPONSE.replace("HEIGHT", "1 m")
+    changed = text.replace(old.replace("HEIGHT", "1 m"), new.replace("HEIGHT", "1 m"))
     with pytest.raises(InputError, match=match) as refused:
-        vd.identify_study(study(tmp_path, text.replace(old, new)))
+        vd.identify_study(study(tmp_path, changed))
     assert "study.yaml:" in str(refused.value)

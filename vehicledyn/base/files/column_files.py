@@ -29,12 +29,13 @@ class ColumnKind:
     """What a column holds: the unit of its numbers in SI, or texts where that is None.
 
     ``may_be_nan`` says that cells with ``nan`` are as good as empty ones, as measuring programs
-    write gaps.
+    write gaps; ``is_raw`` that numbers are wanted as they are written, whatever their unit.
     """
 
     unit: str | None
     required: bool = False
     may_be_nan: bool = False
+    is_raw: bool = False
 
 
 @dataclass
@@ -83,7 +84,11 @@ def read_columns(path: Path, known: Mapping[str, ColumnKind], *, is_open: bool =
     columns, separator, begin = _head(str(path), lines, known, is_open=is_open)
     problems: list[Problem] = []
     heads = _heads(lines[begin - 1], separator)
-    factors = {name: _factor(unit) for name, unit in heads if name in columns.places}
+    factors = {
+        name: 1.0 if known[name].is_raw else _factor(unit)
+        for name, unit in heads
+        if name in columns.places
+    }
     for number in range(begin, len(lines)):
         text = lines[number].partition("#")[0]
         if not text.strip(" \t,;"):
@@ -99,8 +104,8 @@ def read_columns(path: Path, known: Mapping[str, ColumnKind], *, is_open: bool =
     return columns
 
 
-def stated_units(path: Path) -> dict[str, str]:
-    """Return the units that the head of a file states, by column.
+def stated_units(path: Path) -> dict[str, str | None]:
+    """Return the units that the head of a file states, by column; None where it states none.
 
     Raises
     ------
@@ -110,7 +115,7 @@ def stated_units(path: Path) -> dict[str, str]:
     texts = (line.partition("#")[0] for line in _lines(path))
     head = next((text for text in texts if text.strip()), "")
     separator = next((s for s in ";\t," if s in head), ",")
-    return {name: unit for name, unit in _heads(head, separator) if unit is not None}
+    return dict(_heads(head, separator))
 
 
 def _taken(
@@ -196,8 +201,8 @@ def _wrong_head(name: str, unit: str | None, known: Mapping[str, ColumnKind]) ->
     if name not in known:
         return unknown_name("column", name, known)
     wanted = known[name].unit
-    if wanted is None:
-        return "" if unit is None else "this column has no unit"
+    if wanted is None or known[name].is_raw:
+        return "" if unit is None or known[name].is_raw else "this column has no unit"
     if unit is None:
         return f"say the unit of the column, such as {_example(name, known)}"
     try:

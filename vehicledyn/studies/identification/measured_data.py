@@ -1,20 +1,28 @@
-"""Measured signals of files: CSV with units, results of runs, MATLAB's."""
+"""Measured signals and curves of files: CSV, HDF5, MATLAB's and MDF."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.base.errors import InputError, nearest_name
-from vehicledyn.base.files.column_files import ColumnKind, read_columns
-from vehicledyn.base.units import parse_unit
+from vehicledyn.base.errors import InputError
+from vehicledyn.base.files.column_files import ColumnKind, read_columns, stated_units
+from vehicledyn.studies.identification.data_columns import (
+    DataColumn,
+    chosen_unit,
+    clean_unit,
+    in_si,
+    no_column,
+)
 
 Floats = NDArray[np.float64]
+
+HDF5_ENDINGS = (".h5", ".hdf5", ".nc")
 
 
 @dataclass(frozen=True)
@@ -32,103 +40,157 @@ class MeasuredSignal:
     lag: float
 
 
+class CurveColumns(NamedTuple):
+    """The column that a curve is over, and that of its values."""
+
+    over: str
+    column: str
+    over_unit: str | None = None
+    unit: str | None = None
+
+
+class MeasuredCurve(NamedTuple):
+    """A curve without its gaps: places (m,) in the unit of ``over``, and the column of its values.
+
+    ``gaps`` is how many places have no value.
+    """
+
+    over: str
+    over_unit: str
+    places: Floats
+    values: DataColumn
+    gaps: int
+
+
 def words_on_gaps(count: int) -> str:
     """Return words on samples that are left out."""
     return "1 gap is left out" if count == 1 else f"{count} gaps are left out"
 
 
 def read_signals(
-    path: Path, time: str, signals: Sequence[MeasuredSignal]
+    path: Path, time: str, signals: Sequence[MeasuredSignal], time_unit: str | None = None
 ) -> list[tuple[Floats, Floats]]:
     """Return times [s] and values in SI of each signal; a gap is not a number.
 
     Parameters
     ----------
     path
-        CSV file whose head states units, result of a run (.h5), or MATLAB file (.mat).
+        CSV file with a head, HDF5 file (.h5, .hdf5, .nc) of ours or others, MATLAB file (.mat) or
+        MDF file (.mf4, .mdf, .dat).
     time
-        Column of the time.
+        Column of the time, where columns have no times of their own.
     signals
         What to read.
+    time_unit
+        Unit of the time where the file states none; None for seconds.
 
     Raises
     ------
     InputError
         If the file or a column cannot be read, or a unit does not fit.
     """
-    if path.suffix in (".h5", ".hdf5", ".nc"):
-        return _of_result(path, signals)
-    if path.suffix == ".mat":
-        return _of_matlab(path, time, signals)
-    known = {time: ColumnKind("s", required=True)}
-    known |= {signal.column: ColumnKind(signal.unit, may_be_nan=True) for signal in signals}
-    table = read_columns(path, known, is_open=True)
-    for signal in signals:
-        if signal.given_unit is not None:
-            words = "the head of a CSV file states units; leave 'unit' out"
-            raise InputError(f"{path}: {words}", about=(signal.column,))
-        if signal.column not in table.numbers:
-            _require(path, signal.column, table.others)
-    times = np.array(table.numbers[time])
-    return [(times, np.array(table.numbers[signal.column])) for signal in signals]
-
-
-def _of_result(path: Path, signals: Sequence[MeasuredSignal]) -> list[tuple[Floats, Floats]]:
-    from vehicledyn.results.labelled.data import open_result
-
-    data = open_result(path)
+    names = list(dict.fromkeys(signal.column for signal in signals))
+    columns = _read(path, names, time)
+    shared: Floats | None = None
     found = []
     for signal in signals:
-        _require(path, signal.column, list(data))
-        try:
-            values = np.asarray(data[signal.column].to(signal.unit), dtype=float)
-        except InputError as error:
-            raise InputError(f"{path}: {signal.column}: {error}", about=(signal.column,)) from None
-        found.append((np.asarray(data.time, dtype=float), values))
+        column = columns[signal.column]
+        times = column.times
+        if times is None:
+            shared = _times(path, time, time_unit) if shared is None else shared
+            times = shared
+        found.append((times, in_si(path, column, signal.given_unit, signal.unit)))
     return found
 
 
-def _of_matlab(
-    path: Path, time: str, signals: Sequence[MeasuredSignal]
-) -> list[tuple[Floats, Floats]]:
-    from scipy.io import loadmat
-
-    try:
-        content = loadmat(path, squeeze_me=True)
-    except (ValueError, NotImplementedError, OSError, TypeError) as error:
-        raise InputError(f"{path}: cannot be read as a MATLAB file: {error}") from None
-    arrays = {name: value for name, value in content.items() if not name.startswith("__")}
-    times, found = _numbers(path, time, arrays), []
-    for signal in signals:
-        if signal.given_unit is None:
-            words = "states no units; give 'unit' of the signal"
-            raise InputError(f"{path}: {words}", about=(signal.column,))
-        try:
-            unit = parse_unit(str(signal.given_unit))
-        except InputError as error:
-            raise InputError(f"unit: {error}", about=(signal.column,)) from None
-        if unit.dimension != parse_unit(signal.unit).dimension:
-            words = f"'{signal.given_unit}' does not measure a quantity in {signal.unit}"
-            raise InputError(f"unit: {words}", about=(signal.column,))
-        values = unit.factor * _numbers(path, signal.column, arrays)
-        found.append((times, values))
-    return found
+def _times(path: Path, time: str, given: str | None) -> Floats:
+    """Return the times [s] that the columns of a file share."""
+    column = _read(path, [time], time)[time]
+    unit = "s" if column.unit is None and given is None else given
+    return in_si(path, column, unit, "s", "time_unit")
 
 
-def _numbers(path: Path, name: str, arrays: Mapping[str, Any]) -> Floats:
-    _require(path, name, arrays)
-    try:
-        values = np.asarray(arrays[name], dtype=float)
-    except (TypeError, ValueError):
-        raise InputError(f"{path}: '{name}' holds no real numbers", about=(name,)) from None
-    if values.ndim != 1:
-        raise InputError(f"{path}: '{name}' is no row or column of numbers", about=(name,))
-    return values
+def read_curve(path: Path, wanted: CurveColumns) -> MeasuredCurve:
+    """Return a curve of a file.
+
+    Rows without place and value are passed over, as those of columns that are longer.
+
+    Raises
+    ------
+    InputError
+        If the file or a column cannot be read, a value has no place, or no place has a value.
+    """
+    columns = _read(path, list(dict.fromkeys([wanted.over, wanted.column])))
+    over, values = columns[wanted.over], columns[wanted.column]
+    if np.iscomplexobj(over.values):
+        raise InputError(f"{path}: '{over.name}' holds complex numbers", about=(over.name,))
+    if len(over.values) != len(values.values):
+        words = f"'{over.name}' and '{values.name}' are not of the same length"
+        raise InputError(f"{path}: {words}", about=(over.name,))
+    if not _same_times(over, values):
+        words = f"'{over.name}' and '{values.name}' are not sampled at the same times"
+        raise InputError(f"{path}: {words}", about=(over.name,))
+    for column in (over, values):
+        if (endless := np.isinf(column.values)).any():
+            where = column.place(path, int(np.argmax(endless)))
+            raise InputError(f"{where}: '{column.name}' is not finite", about=(column.name,))
+    no_place, no_value = np.isnan(over.values), np.isnan(values.values)
+    if (lost := no_place & ~no_value).any():
+        where = over.place(path, int(np.argmax(lost)))
+        raise InputError(f"{where}: '{over.name}' has no value", about=(over.name,))
+    kept = ~no_value
+    if not kept.any():
+        words = f"column '{values.name}' has no value; all are gaps"
+        raise InputError(f"{path}: {words}", about=(values.name,))
+    return MeasuredCurve(
+        over.name,
+        chosen_unit(path, over, wanted.over_unit, "over_unit"),
+        over.values[kept],
+        values._replace(values=values.values[kept], times=None, lines=()),
+        int((no_value & ~no_place).sum()),
+    )
 
 
-def _require(path: Path, name: str, known: Iterable[str]) -> None:
-    names = list(known)
-    if name not in names:
-        guess = nearest_name(name, names)
-        hint = f"; did you mean '{guess}'?" if guess else ""
-        raise InputError(f"{path}: has no column '{name}'{hint}", about=(name,))
+def _same_times(one: DataColumn, other: DataColumn) -> bool:
+    """Return whether columns that have times of their own have the same."""
+    return one.times is None or other.times is None or np.array_equal(one.times, other.times)
+
+
+def _read(path: Path, names: Sequence[str], time: str = "") -> dict[str, DataColumn]:
+    """Return columns of a file by name; every line of a text has a ``time``."""
+    return dict(zip(names, _reader(path)(path, names, time), strict=True))
+
+
+def _reader(path: Path) -> Any:
+    """Return what reads the columns of a file, by its ending."""
+    ending = path.suffix.lower()
+    if ending in HDF5_ENDINGS:
+        from vehicledyn.studies.identification.hdf5_data import read_hdf5
+
+        return lambda path, names, *_: read_hdf5(path, names)
+    if ending == ".mat":
+        from vehicledyn.studies.identification.matlab_data import read_matlab
+
+        return lambda path, names, *_: read_matlab(path, names)
+    from vehicledyn.studies.identification.mdf_data import is_mdf, read_mdf
+
+    if ending in (".mf4", ".mdf") or (ending == ".dat" and is_mdf(path)):
+        return lambda path, names, *_: read_mdf(path, names)
+    return _of_text
+
+
+def _of_text(path: Path, names: Sequence[str], time: str) -> list[DataColumn]:
+    """Return columns of a text, with the units that its head states."""
+    stated = stated_units(path)
+    for name in names:
+        if name not in stated:
+            raise no_column(path, name, stated)
+    known = {
+        name: ColumnKind("1", required=name == time, may_be_nan=name != time, is_raw=True)
+        for name in dict.fromkeys([*names, *([time] if time in stated else [])])
+    }
+    table = read_columns(path, known, is_open=True)
+    return [
+        DataColumn(name, np.array(table.numbers[name]), clean_unit(stated[name]), None, table.lines)
+        for name in names
+    ]

@@ -14,21 +14,27 @@ from numpy.typing import NDArray
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.analyses.sensitivity.figure_names import wrong_figures
 from vehicledyn.analyses.sensitivity.known_analyses import RUN, analysis_of
-from vehicledyn.base.errors import InputError, nearest_name
-from vehicledyn.base.files.column_files import ColumnKind, read_columns, stated_units
+from vehicledyn.base.errors import InputError
 from vehicledyn.base.problems import Place
-from vehicledyn.base.units import parse_unit
 from vehicledyn.files.scenario import LoadedScenario
-from vehicledyn.studies.identification.measured_data import words_on_gaps
+from vehicledyn.studies.identification.data_columns import DataColumn, in_si
+from vehicledyn.studies.identification.measured_data import (
+    CurveColumns,
+    MeasuredCurve,
+    read_curve,
+    words_on_gaps,
+)
 from vehicledyn.studies.mistakes import Mistakes
 from vehicledyn.studies.scenario_figures import AnalysisFigures, RunFigures, ScenarioFigures
 from vehicledyn.studies.study_form import StudyForm
 
 Floats = NDArray[np.float64]
 
-KEYS = ("value", "over", "column", "noise", "relative_noise")
+KEYS = ("value", "over", "over_unit", "column", "unit", "noise", "relative_noise")
 
 _CALL = re.compile(r"(\w+)\((.+)\)")
+_OF_CURVES = ("over_unit", "column", "unit")
+_PART = re.compile(r"(gain|phase|real|imaginary)\(")
 _PHASE = re.compile(r"phase\(|steady\(\w+_phase\b")
 
 
@@ -76,7 +82,7 @@ def at_place(name: str, place: str) -> str:
         If the name is not that of a curve.
     """
     match = _CALL.fullmatch(name)
-    if match is None:
+    if match is None or analysis_of(name) == RUN:
         raise InputError(f"'{name}' has no places; leave 'over' out and give its 'value'")
     parts = [part.strip() for part in match[2].split(",")]
     behind = next((k for k, part in enumerate(parts) if "=" in part), len(parts))
@@ -108,7 +114,7 @@ def read_figures(
     NumericalError
         If the run or an analysis fails.
     """
-    entries, notes = {}, list[str]()
+    entries, curves, notes = {}, dict[str, MeasuredCurve](), list[str]()
     given: dict[str, MeasuredFigure] = {}
     for name, entry in form.entries((*where, "figures"), KEYS):
         place: Place = (*where, "figures", name)
@@ -116,12 +122,16 @@ def read_figures(
             form.wrong(place, "give its 'value', or the column that it is a curve 'over'")
         elif not {"noise", "relative_noise"} & set(entry):
             form.wrong(place, "needs noise, or relative_noise")
+        elif lone := [key for key in _OF_CURVES if key in entry and "over" not in entry]:
+            form.wrong((*place, lone[0]), "is that of a curve; give what it is 'over', too")
         else:
             with form.mistakes.at(*place):
-                given[name], lost = _curve(name, entry, data)
+                if "over" in entry:
+                    curves[name] = _curve(name, entry, data)
+                    if curves[name].gaps:
+                        notes.append(f"{name}: {words_on_gaps(curves[name].gaps)}")
+                given[name] = _without_values(name, curves.get(name))
                 entries[name] = entry
-                if lost:
-                    notes.append(f"{name}: {words_on_gaps(lost)}")
     groups = []
     for kind in dict.fromkeys(map(analysis_of, given)):
         own = {name: item for name, item in given.items() if analysis_of(name) == kind}
@@ -134,36 +144,29 @@ def read_figures(
             unit = found.units[item.figures[0]] or "1"
             with form.mistakes.at(*places[item.name]):
                 given_by = form.mistakes, places[item.name], item, entries[item.name]
-                items.append(_with_values(*given_by, data=data, unit=unit))
+                curve = curves.get(item.name)
+                items.append(_with_values(*given_by, data=data, curve=curve, unit=unit))
         groups.append(MeasuredFigures(found, tuple(items)))
     return tuple(groups), notes
 
 
-def _curve(name: str, entry: Mapping[str, Any], data: Path | None) -> tuple[MeasuredFigure, int]:
-    """Return a figure whose values are still to be read, and how many places have none."""
-    if "over" not in entry:
-        return MeasuredFigure(name, (name,), np.ones(1), np.zeros(1), np.zeros(1), "number"), 0
+def _curve(name: str, entry: Mapping[str, Any], data: Path | None) -> MeasuredCurve:
+    """Return the curve that the data of an experiment give for a figure."""
     if data is None:
         raise InputError("a curve needs the 'data' of the experiment")
-    column, over = str(entry.get("column", name)), str(entry["over"])
-    units = stated_units(data)
-    for wanted in (over, column):
-        if wanted not in units:
-            guess = nearest_name(wanted, units)
-            hint = f"; did you mean '{guess}'?" if guess else ""
-            words = f"has no column '{wanted}' with its unit in brackets{hint}"
-            raise InputError(f"{data}: {words}")
-    known = {over: ColumnKind(units[over], required=True)}
-    known[column] = ColumnKind(units[column], may_be_nan=True)
-    table = read_columns(data, known, is_open=True)
-    kept = np.isfinite(table.numbers[column])
-    if not kept.any():
-        raise InputError(f"{data}: column '{column}' has no value; all are gaps")
-    places = np.array(table.numbers[over])[kept] / parse_unit(units[over]).factor
-    figures = tuple(at_place(name, f"{place:.15g} {units[over]}") for place in places)
-    nothing = np.zeros(len(places))
-    lost = int((~kept).sum())
-    return MeasuredFigure(name, figures, places, nothing, nothing, f"{over} [{units[over]}]"), lost
+    units = (str(entry[key]) if key in entry else None for key in ("over_unit", "unit"))
+    return read_curve(
+        data, CurveColumns(str(entry["over"]), str(entry.get("column", name)), *units)
+    )
+
+
+def _without_values(name: str, curve: MeasuredCurve | None) -> MeasuredFigure:
+    """Return a figure whose values are still to be read."""
+    if curve is None:
+        return MeasuredFigure(name, (name,), np.ones(1), np.zeros(1), np.zeros(1), "number")
+    unit, nothing = curve.over_unit, np.zeros(len(curve.places))
+    figures = tuple(at_place(name, f"{place:.15g} {unit}") for place in curve.places)
+    return MeasuredFigure(name, figures, curve.places, nothing, nothing, f"{curve.over} [{unit}]")
 
 
 def _found(
@@ -212,6 +215,7 @@ def _with_values(
     entry: Mapping[str, Any],
     *,
     data: Path | None,
+    curve: MeasuredCurve | None,
     unit: str,
 ) -> MeasuredFigure:
     """Return a figure with its values, and the deviations of their noise, in SI."""
@@ -220,14 +224,23 @@ def _with_values(
     part = mistakes.number((*place, "relative_noise"), entry.get("relative_noise", 0.0), "1")
     if min(noise, part) < 0.0 or max(noise, part) == 0.0:
         mistakes.wrong(place, "the deviation of its noise must be above zero")
-    if "over" in entry and data is not None:
-        column = str(entry.get("column", item.name))
-        known = {column: ColumnKind(unit, may_be_nan=True)}
-        values = np.array(read_columns(data, known, is_open=True).numbers[column])
-        values = values[np.isfinite(values)]
+    if curve is not None and data is not None:
+        values = _values_of_curve(data, item.name, curve.values, entry.get("unit"), unit)
     else:
         values = np.array([mistakes.number((*place, "value"), entry["value"], unit)])
     deviations = np.hypot(noise, part * values)
     if len(mistakes.problems) == count and not deviations.all():
         raise InputError("relative_noise leaves a value of zero without any; give 'noise' too")
     return replace(item, values=values, noise=deviations)
+
+
+def _values_of_curve(data: Path, name: str, column: DataColumn, given: object, unit: str) -> Floats:
+    """Return the values of a curve in SI; of complex ones those that the figure is of."""
+    part = _PART.match(name)
+    if not np.iscomplexobj(column.values) or part is None:
+        return in_si(data, column, given, unit)
+    if part[1] == "phase":
+        return np.asarray(np.angle(column.values), dtype=float)
+    parts = {"gain": np.abs(column.values), "real": column.values.real}
+    values = parts.get(part[1], column.values.imag)
+    return in_si(data, column._replace(values=values), given, unit)

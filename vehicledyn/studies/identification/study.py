@@ -42,7 +42,7 @@ Floats = NDArray[np.float64]
 
 _REQUIRED = ("experiments", "parameters")
 _OPTIONAL = ("title", "hold_out")
-_EXPERIMENT = ("scenario", "set", "data", "time", "signals", "figures")
+_EXPERIMENT = ("scenario", "set", "data", "time", "time_unit", "signals", "figures")
 _SIGNAL = ("column", "unit", "noise", "lag", "low_pass", "order")
 
 
@@ -221,7 +221,7 @@ def _measured(
                 signals.append(MeasuredSignal(channel, column, unit, given_unit, noise, lag))
     if data is None or not signals:
         return (), []
-    time = str(item.get("time", "time"))
+    time = str(item.get("time", "time")), item.get("time_unit")
     measured, notes = [], []
     for signal, columns in _read(form, where, data, time, signals):
         found = MeasuredChannel(
@@ -251,16 +251,20 @@ def _low_pass(form: StudyForm, place: Place, entry: dict[str, Any]) -> LowPass |
 
 
 def _read(
-    form: StudyForm, where: Place, data: Path, time: str, signals: Sequence[MeasuredSignal]
+    form: StudyForm,
+    where: Place,
+    data: Path,
+    time: tuple[str, str | None],
+    signals: Sequence[MeasuredSignal],
 ) -> list[tuple[MeasuredSignal, tuple[Floats, Floats]]]:
     """Return signals with their times and values; nothing, and problems, where one is wrong."""
     try:
-        return list(zip(signals, read_signals(data, time, signals), strict=True))
+        return list(zip(signals, read_signals(data, time[0], signals, time[1]), strict=True))
     except InputError:
         pass
     for signal in signals:
         try:
-            read_signals(data, time, [signal])
+            read_signals(data, time[0], [signal], time[1])
         except InputError as error:
             is_own = signal.column in error.about
             place = (*where, "signals", signal.channel) if is_own else (*where, "data")
