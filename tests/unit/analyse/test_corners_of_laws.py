@@ -8,7 +8,9 @@ from test_motion_gradients import followed
 from vehicledyn.analyse.gradients.adjoint import figure_adjoint
 from vehicledyn.analyse.gradients.corner_functions import CornerFunctions
 from vehicledyn.analyse.gradients.corner_passages import CornerMissedError, corner_passages
+from vehicledyn.analyse.gradients.curvature import CurvatureCode
 from vehicledyn.analyse.gradients.key_figures import figure_slope
+from vehicledyn.analyses.sensitivity.curvature import undivided
 from vehicledyn.kernel.engine import Method
 from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.kernel.tangent_code import StepRow, TangentCode
@@ -235,3 +237,50 @@ def test_adjoints_pass_corners_as_tangents_do(kept, monkeypatch):
     assert found == pytest.approx(expected.slope, rel=1e-11)
     with pytest.raises(CornerMissedError, match="no adjoint over the corner at t = 0 s"):
         passages.taken(0, *start)
+
+
+def test_second_derivatives_behind_a_corner_are_those_of_the_motion():
+    """Those of whole steps miss a bump stop's place altogether."""
+    t, x, v, *parameters = symbols("t", "x", "v", "mass", "stop", "gap")
+    mass, stop, gap = parameters
+    values, along = np.array([1.3, 900.0, 0.118, 1.0]), np.array([0.2, 100.0, 0.01, 0.3])
+    equations = build(
+        "stopped",
+        time=t,
+        states=[(x, 0.0), (v, 1.0)],
+        rates=[v, -stop * ops.maximum(x - gap, 0.0) / mass],
+        parameters=list(zip(parameters, values, strict=False)),
+        outputs=[("x", x)],
+        positions=(0,),
+        velocities=(1,),
+    )
+
+    def place(mass, stop, gap, begin):
+        frequency = np.sqrt(stop / mass)
+        return (gap + begin / frequency * np.sin(frequency * (0.16 - gap / begin)),)
+
+    def gradient(part):
+        return complex_steps(place, values + part * along)[0]
+
+    wide, narrow = (gradient(h) - gradient(-h) for h in (2e-4, 1e-4))
+    expected = (8.0 * narrow - wide) / 12e-4
+    found = CurvatureCode(equations, [0]).along(
+        (values[:3], along[:3]),
+        STEPS,
+        n_intervals=16,
+        start=(np.array([0.0, 1.0]), np.zeros(0), np.array([0.0, 0.3])),
+        figure=("final", 0),
+        divides=True,
+    )
+    slopes, curvatures = (np.delete(np.concatenate(x), 3) for x in (found.slope, found.curvature))
+    assert slopes == pytest.approx(gradient(0.0), rel=1e-9)
+    assert curvatures == pytest.approx(expected, rel=1e-8)
+
+
+def test_second_derivatives_of_rattling_motions_are_reported_as_those_of_whole_steps():
+    """As are those behind jumps."""
+    followed_whole = followed(runs_over(20, 4.0 * STEPS.interval / STEPS.per_interval), STEPS, 2)
+    assert followed_whole.left_whole
+    assert "all the time" in undivided(followed_whole)
+    assert "at which rates jump" in undivided(followed(pushed(), STEPS, 16))
+    assert undivided(followed(lined(9.0)[0], STEPS, 8)) == ""

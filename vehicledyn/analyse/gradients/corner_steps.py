@@ -85,6 +85,9 @@ def _functions(kernel: Kernel) -> CornerFunctions:
 class CornerSteps:
     """Finds the steps with corners ahead of a motion, and takes its tangents through them.
 
+    ``jumped`` says whether rates jumped in the last one, ``left_whole`` whether there are so many
+    steps with corners that these are not divided.
+
     Parameters
     ----------
     kernel, code
@@ -106,6 +109,7 @@ class CornerSteps:
         self._sizes = np.ones(len(kernel.equations.states))
         self._weak = np.zeros(self._functions.count)
         self._resting = np.zeros(self._functions.count, dtype=bool)
+        self.jumped = self.left_whole = False
         self.forget()
 
     def forget(self) -> None:
@@ -129,10 +133,13 @@ class CornerSteps:
 
     def ahead(self, march: March, most: int) -> int:
         """Return how many steps, up to the most, have no corners from the next one on."""
-        if not self._functions.count or march.method != Method.RK4:
+        if not self._functions.count:
             return most
         if not march.step < self._until:
             self._look(march, most)
+        if march.method != Method.RK4:
+            self.left_whole |= bool(self._steps)
+            return min(most, self._until - march.step)
         for step, which in self._steps.items():
             if step >= march.step and self._felt[which].any():
                 return min(most, step - march.step)
@@ -197,8 +204,10 @@ class CornerSteps:
         often = found.sum(axis=0) > max(_FEW, _OFTEN * len(found))
         changed[:, moving] = found & ~often
         felt = changed & self._felt
-        if felt.any(axis=1).sum() > _FEW and felt.sum() > _OFTEN * len(found):
+        all_over = felt.any(axis=1).sum() > _FEW and felt.sum() > _OFTEN * len(found)
+        if all_over:
             changed[:] = False
+        self.left_whole |= bool(all_over or often.any())
         return changed
 
     def _marks(self, values: Matrix, which: NDArray[np.intp] | slice = slice(None)) -> Matrix:
@@ -238,6 +247,7 @@ class CornerSteps:
             Where it begins, and where it ends as a whole.
         """
         del self._steps[step]
+        self.jumped = False
         fraction, here, count = 0.0, ends[0], 0
         marks = self._marks(self._values(here))
         either = (marks == 0.0) | (self._resting & (step == 0))
@@ -348,6 +358,7 @@ class CornerSteps:
             moved = self._moved((before, after), rates)
             if moved is None:
                 return None
+            self.jumped = True
             tangents = self._bundle.state
             tangents[:, : len(moved)] -= np.outer(jump, moved)
             self._bundle.state = tangents

@@ -12,8 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyse.gradients.adjoint import figure_adjoint
+from vehicledyn.analyse.gradients.corner_passages import corner_passages
 from vehicledyn.analyse.gradients.key_figures import FigureSlope, figure_slope, moved_slope
+from vehicledyn.analyse.gradients.motion import follow
+from vehicledyn.kernel.back_code import Passages
 from vehicledyn.kernel.engine import Vector
+from vehicledyn.kernel.kernel import Kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.kernel.tangent_code import StepRow, TangentCode
 from vehicledyn.symbolic.equations import Equations
 from vehicledyn.symbolic.tangent_equations import with_tangents
@@ -50,7 +55,9 @@ class CurvatureCode:
         self.n_channels, self.n_unknowns = len(channels), len(equations.unknowns)
         n = len(equations.channels)
         own = [*channels, *(k + n for k in channels)]
-        self.code = TangentCode(with_tangents(equations), own, back=True)
+        self._equations = with_tangents(equations)
+        self.code = TangentCode(self._equations, own, back=True)
+        self._kernel: Kernel | None = None
 
     def along(
         self,
@@ -60,6 +67,7 @@ class CurvatureCode:
         n_intervals: int,
         start: tuple[Vector, Vector, Vector],
         figure: tuple[str, int],
+        divides: bool = False,
     ) -> Curvature:
         """Return the derivatives of a figure, for given parameters and start states.
 
@@ -73,11 +81,15 @@ class CurvatureCode:
             States and unknowns at the start, and the tangents of the states.
         figure
             Its kind and the place of its channel.
+        divides
+            Whether steps are divided at corners of laws, where rates must not jump themselves.
 
         Raises
         ------
         InputError
             If the method is not rk4.
+        CornerMissedError
+            If a corner has no adjoint.
         NumericalError
             If the run cannot go on.
         """
@@ -93,14 +105,29 @@ class CurvatureCode:
             return figure_slope(kind, times, own, tangent[:, None]), seeds
 
         state, guess, tangents = start
+        both = np.concatenate([state, tangents]), np.pad(guess, (0, self.n_unknowns))
+        of = np.concatenate(parameters)
         found = figure_adjoint(
             self.code,
-            np.concatenate(parameters),
+            of,
             grid,
             n_intervals=n_intervals,
-            start=(np.concatenate([state, tangents]), np.pad(guess, (0, self.n_unknowns))),
+            start=both,
             figure=drawn,
+            passages=self._passages(of, grid, n_intervals, both) if divides else None,
         )
         bent_p, by_p = np.split(found.by_parameter, 2)
         bent_x, by_x = np.split(found.by_state, 2)
         return Curvature(found.figure, (by_p, by_x), (bent_p, bent_x), found.n_bytes)
+
+    def _passages(
+        self, parameters: Vector, grid: StepRow, n_intervals: int, start: tuple[Vector, Vector]
+    ) -> Passages:
+        """Return the steps with corners of laws, at which the rates of tangents jump."""
+        self._kernel = self._kernel or compile_kernel(self._equations, backend="interpreted")
+        kernel = self._kernel.with_parameters(parameters)
+        none = np.zeros((len(parameters), 0)), np.zeros((len(start[0]), 0))
+        motion = follow(
+            self.code, kernel, grid, n_intervals=n_intervals, start=start, directions=none
+        )
+        return corner_passages(kernel, self.code, grid, start, motion.corners)

@@ -105,4 +105,5 @@ def follow(
         run.watch.ended_by,
         [piece.time for piece in later],
         run.corners,
+        run.left_whole,
     )

@@ -49,6 +49,7 @@ class TangentCourse:
         self.grid, self.n, self._by_parameter = grid, by_state.shape[1], by_parameter
         self.events: list[EventSlope] = []
         self.corners: list[CornerPassed] = []
+        self.left_whole = False
         self.record = Recorder(n_channels, self.n)
         numbers = max(1, by_state.size)
         self.at_once = max(1, min(_AT_ONCE, _MOST_NUMBERS // numbers))
@@ -143,6 +144,7 @@ class TangentCourse:
             corners,
             self._where(),
             len(self._later),
+            self.left_whole,
         )
 
     def resume_after(self, stretch: Stretch) -> None:
@@ -153,6 +155,7 @@ class TangentCourse:
             self._begin(piece, where.step, (where.state, where.unknowns), where.tangents)
         self.events += stretch.events
         self.corners += stretch.corners
+        self.left_whole |= stretch.left_whole
         self.march.step, self.bundle.state = where.step, where.tangents
         pairs = (
             (self.march.state, where.state),
@@ -216,6 +219,7 @@ class TangentCourse:
                 self._change(self._later.pop(0)[1])
             ahead = self._later[0][0] - self.march.step if self._later else due
             smooth = self.corner_steps.ahead(self.march, min(due, ahead))
+            self.left_whole |= self.corner_steps.left_whole
             if not smooth and self._over_corners():
                 due -= 1
                 continue
@@ -250,7 +254,8 @@ class TangentCourse:
             self._enter(begin)
             self.bundle.state = tangents
             return False
-        self.corners.append(CornerPassed(begin.time, corners.missed(end, whole)))
+        missed = corners.missed(end, whole)
+        self.corners.append(CornerPassed(begin.time, missed, corners.jumped))
         self._enter(end)
         self.march.step += 1
         self.march.memory[:] = 0.0

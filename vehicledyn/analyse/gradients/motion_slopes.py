@@ -24,11 +24,12 @@ class EventSlope:
 class CornerPassed:
     """A corner of a law: when its step begins [s], and how far this ends beside the motion.
 
-    ``missed`` is a part of the state's size.
+    ``missed`` is a part of the state's size; ``jumps`` says whether rates jump there.
     """
 
     time: float
     missed: float
+    jumps: bool
 
 
 @dataclass
@@ -39,7 +40,7 @@ class MotionSlopes:
     n_directions) of the chosen channels, ``state`` and ``state_slopes`` (n_states, n_directions)
     at the end, ``events`` in their order. Where an event ended the run, the last sample moves with
     it. ``changes`` are times at which other coordinates became dependent [s]; ``corners`` those of
-    laws that are passed.
+    laws that are passed, ``left_whole`` whether there are so many that steps were not divided.
     """
 
     times: Vector
@@ -51,6 +52,7 @@ class MotionSlopes:
     ended_by: str
     changes: list[float] = field(default_factory=list)
     corners: list[CornerPassed] = field(default_factory=list)
+    left_whole: bool = False
 
     @property
     def end_slope(self) -> Vector:

@@ -47,7 +47,8 @@ class Where:
 class Stretch:
     """Samples of a part of a motion, what is looked at, events, corners, and where it ends.
 
-    ``n_later`` is the number of changes of the dependent coordinates that are still to come.
+    ``n_later`` is the number of changes of the dependent coordinates that are still to come,
+    ``left_whole`` says whether steps with corners were not divided.
     """
 
     times: Vector
@@ -58,6 +59,7 @@ class Stretch:
     corners: tuple[CornerPassed, ...]
     end: Where
     n_later: int
+    left_whole: bool
 
 
 KINDS = (Where, Stretch, EventSlope, CornerPassed)

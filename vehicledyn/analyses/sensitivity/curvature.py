@@ -9,12 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyse.gradients.adjoint import goes_back
+from vehicledyn.analyse.gradients.corner_passages import CornerMissedError
 from vehicledyn.analyse.gradients.curvature import Curvature, CurvatureCode
 from vehicledyn.analyse.gradients.equilibrium import GivenSlopes
 from vehicledyn.analyse.gradients.key_figures import unit_of
+from vehicledyn.analyse.gradients.motion_slopes import MotionSlopes
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.analyses.sensitivity.driving_failures import bent_beams
-from vehicledyn.analyses.sensitivity.motion import counted_corners
+from vehicledyn.analyses.sensitivity.motion import counted_corners, divided_steps
 from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
 from vehicledyn.analyses.sensitivity.names import Directions, directions, wanted
 from vehicledyn.base.errors import InputError
@@ -67,11 +69,12 @@ class CurvatureStudy:
         )
 
     def along(
-        self, chosen: Directions, direction: Floats
+        self, chosen: Directions, direction: Floats, *, divides: bool
     ) -> list[tuple[Curvature, Floats, Floats]]:
         """Return of each figure the curvature, its gradient and Hessian times a direction.
 
-        ``direction`` (n,) and both results are in terms of what derivatives are by.
+        ``direction`` (n,) and both results are in terms of what derivatives are by; ``divides``
+        says whether steps are divided at corners of laws.
         """
         study, kernel = self.study, self.study.prepared.kernel
         tangents = study.start_slopes(chosen) + chosen.by_state
@@ -98,6 +101,7 @@ class CurvatureStudy:
                 n_intervals=study.n_intervals,
                 start=(study.start.state, study.start.unknowns, moved_x),
                 figure=(kind, place),
+                divides=divides,
             )
             slope = item.slope[0] @ chosen.by_parameter + item.slope[1] @ by_start
             curvature = item.curvature[0] @ chosen.by_parameter + item.curvature[1] @ by_start
@@ -142,15 +146,23 @@ def find_curvature(
         )
     chosen = directions(e, kernel.parameters, study.start.state, [*to, *along])
     ready = CurvatureStudy.of(study, asked.figures, progress)
-    progress("following the motion back with its tangents", None)
-    found = ready.along(chosen, _direction(chosen, along, e, study))
     plain = study.plain(progress)
     notes = [*study.notes, *bent_beams(study, plain)]
-    if plain.corners:
+    progress("following the motion back with its tangents", None)
+    wanted_along = _direction(chosen, along, e, study)
+    trouble = undivided(plain)
+    divides = bool(plain.corners) and not trouble
+    try:
+        found = ready.along(chosen, wanted_along, divides=divides)
+    except CornerMissedError as error:
+        found, trouble = ready.along(chosen, wanted_along, divides=False), str(error)
+    if trouble:
         notes.append(
-            f"warning: the motion passes {counted_corners(plain)}: these derivatives are those of "
-            "whole steps, which step over such places; take differences of gradients"
+            f"warning: {trouble}: these derivatives are those of whole steps, which step over such "
+            "places; take differences of gradients"
         )
+    else:
+        notes += divided_steps(plain)
     slopes, curvatures = [], []
     about = {c.name: c for c in e.channels}
     figures = []
@@ -173,6 +185,15 @@ def find_curvature(
         curvatures=np.array(curvatures),
         notes=tuple(notes),
     )
+
+
+def undivided(plain: MotionSlopes) -> str:
+    """Return why second derivatives do not follow divided steps, in words; "" if they do."""
+    if plain.left_whole:
+        return "laws change their branch all the time"
+    if any(corner.jumps for corner in plain.corners):
+        return f"the motion passes {counted_corners(plain)}, at which rates jump"
+    return ""
 
 
 def _direction(

@@ -175,6 +175,11 @@ def _figure_back(
 
 def divided_steps(motion: MotionSlopes) -> list[str]:
     """Return a line on corners of laws that are passed, none where there are none."""
+    if motion.left_whole:
+        return [
+            "laws change their branch within steps that are not divided there; derivatives are "
+            "those of these steps, and near those of the motion as far as the steps are short"
+        ]
     if not motion.corners:
         return []
     missed = max(item.missed for item in motion.corners)
