@@ -12,6 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.base.interrupts import Interrupts, undisturbed
+
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
@@ -129,9 +131,12 @@ def minimise(
     observer = _observer(program, guard, seen)
     nlp = functions.pop("nlp")
     settings = _OPTIONS | own | functions | {"iteration_callback": observer}
-    solver = casadi.nlpsol("optimum", "ipopt", nlp, settings)
     (low, high), (least, most) = program.bounds, program.limits
-    found = solver(x0=start, lbx=low, ubx=high, lbg=least, ubg=most)
+    with undisturbed() as guard.interrupts:  # CasADi takes Ctrl-C for a search that failed
+        solver = casadi.nlpsol("optimum", "ipopt", nlp, settings)
+        found = solver(x0=start, lbx=low, ubx=high, lbg=least, ubg=most)
+    if guard.interrupts.is_pressed:
+        raise KeyboardInterrupt
     if guard.error is not None:
         raise guard.error
     stats = solver.stats()
@@ -149,11 +154,18 @@ def minimise(
 class _Guard:
     """Keeps what an evaluation raised, which must not cross C++ code; from then on none is made.
 
-    The last evaluation of each kind is kept as well, as several functions ask for the same.
+    Nor after Ctrl-C. The last evaluation of each kind is kept as well, as several functions ask for
+    the same.
     """
 
     error: BaseException | None = None
+    interrupts: Interrupts = field(default_factory=Interrupts)
     _known: dict[int, tuple[bytes, Any]] = field(default_factory=dict)
+
+    @property
+    def stops(self) -> bool:
+        """Whether the search must end."""
+        return self.error is not None or self.interrupts.is_pressed
 
     def call(self, evaluate: Any, x: Floats, empty: Any, *more: Any) -> Any:
         """Return an evaluation at x, ``empty`` where one has failed."""
@@ -161,9 +173,10 @@ class _Guard:
         known = self._known.get(kind)
         if known is not None and known[0] == key and not more:
             return known[1]
-        if self.error is None:
+        if not self.stops:
             try:
-                found = evaluate(x, *more)
+                with self.interrupts.let_through():
+                    found = evaluate(x, *more)
             except BaseException as error:
                 self.error = error
             else:
@@ -228,14 +241,14 @@ def _observer(program: NonlinearProgram, guard: _Guard, seen: Seen | None) -> An
     count = iter(range(10**9))
 
     def observe(*given: Floats) -> list[Floats]:
-        if guard.error is None and seen is not None:
+        if seen is not None and not guard.stops:
             at = dict(zip(names, given, strict=True))
             try:
                 gap = program.gap(at["x"], at["g"], (at["lam_x"], at["lam_g"]))
                 seen(next(count), at["x"], float(at["f"][0]), at["g"], gap)
             except (Exception, KeyboardInterrupt) as error:  # crosses C++ code
                 guard.error = error
-        return [np.array([float(guard.error is not None)])]
+        return [np.array([float(guard.stops)])]
 
     dense = casadi.Sparsity.dense
     inputs = {name: dense(sizes.get(name, 0), 1) for name in names}

@@ -8,22 +8,44 @@ import threading
 from collections.abc import Iterator
 
 
+class Interrupts:
+    """Ctrl-C while it is put off; ``is_pressed`` says whether it waits."""
+
+    def __init__(self) -> None:
+        self.is_pressed = self.is_let_through = False
+
+    @contextlib.contextmanager
+    def let_through(self) -> Iterator[None]:
+        """Let Ctrl-C interrupt what is done meanwhile."""
+        self.is_let_through = True
+        try:
+            yield
+        finally:
+            self.is_let_through = False
+
+
 @contextlib.contextmanager
-def undisturbed() -> Iterator[None]:
+def undisturbed() -> Iterator[Interrupts]:
     """Put Ctrl-C off until the block is done.
 
     For what it would break half way, such as HDF5's writing, and for work on CasADi's scalars:
     CasADi swallows most interrupts that arrive inside its operators.
     """
-    if threading.current_thread() is not threading.main_thread():
-        yield
+    before, interrupts = signal.getsignal(signal.SIGINT), Interrupts()
+    if threading.current_thread() is not threading.main_thread() or not callable(before):
+        yield interrupts
         return
-    pressed: list[int] = []
-    before = signal.getsignal(signal.SIGINT)
-    signal.signal(signal.SIGINT, lambda number, _: pressed.append(number))
+
+    def note(number: int, frame: object) -> None:
+        if interrupts.is_let_through:
+            before(number, frame)  # type: ignore[arg-type]
+        else:
+            interrupts.is_pressed = True
+
+    signal.signal(signal.SIGINT, note)
     try:
-        yield
+        yield interrupts
     finally:
         signal.signal(signal.SIGINT, before)
-        if pressed:
+        if interrupts.is_pressed:
             signal.raise_signal(signal.SIGINT)

@@ -1,5 +1,9 @@
 """The interior-point method on programs with known optima."""
 
+import os
+import signal
+import threading
+
 import numpy as np
 import pytest
 
@@ -66,3 +70,31 @@ def test_what_functions_raise_is_raised_again():
     broken = NonlinearProgram(program.bounds, program.limits, fail, program.slopes, DENSE)
     with pytest.raises(KeyError, match="beyond"):
         minimise(broken, np.zeros(2), {})
+
+
+def dense(n=600, m=300, seed=5):
+    """A quadratic program whose linear equations take most of the time."""
+    a = np.random.default_rng(seed).normal(size=(m, n))
+    diagonal = Pattern(np.arange(n), np.arange(n + 1))
+    return NonlinearProgram(
+        (np.zeros(n), np.ones(n)),
+        (a.sum(axis=1) * 0.3, a.sum(axis=1) * 0.3),
+        lambda x: (float(x @ x), a @ x),
+        lambda x: (2.0 * x, a.T.ravel()),
+        Pattern(np.tile(np.arange(m), n), np.arange(n + 1) * m),
+        lambda x, f, _: 2.0 * f * np.ones(n),
+        diagonal,
+    )
+
+
+def test_ctrl_c_within_linear_equations_ends_the_search():
+    """CasADi swallows it there, and IPOPT calls the search failed."""
+    timer = threading.Timer(0.02, os.kill, (os.getpid(), signal.SIGINT))
+
+    def watch(number, *_):
+        if number == 1:
+            timer.start()
+
+    with pytest.raises(KeyboardInterrupt):
+        minimise(dense(), np.full(600, 0.5), {}, watch)
+    timer.join()
