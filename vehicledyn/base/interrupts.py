@@ -49,3 +49,26 @@ def undisturbed() -> Iterator[Interrupts]:
         signal.signal(signal.SIGINT, before)
         if interrupts.is_pressed:
             signal.raise_signal(signal.SIGINT)
+
+
+@contextlib.contextmanager
+def heeded() -> Iterator[None]:
+    """Let Ctrl-C end the block, also where what it calls takes it for a failure of its own."""
+    before = signal.getsignal(signal.SIGINT)
+    if threading.current_thread() is not threading.main_thread() or not callable(before):
+        yield
+        return
+    is_pressed = False
+
+    def note(number: int, frame: object) -> None:
+        nonlocal is_pressed
+        is_pressed = True
+        before(number, frame)  # type: ignore[arg-type]
+
+    signal.signal(signal.SIGINT, note)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+        if is_pressed:
+            raise KeyboardInterrupt

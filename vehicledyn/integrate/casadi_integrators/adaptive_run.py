@@ -17,6 +17,7 @@ from vehicledyn.integrate.casadi_integrators.calls import (
     Stopped,
     count_work,
     elapsed_equations,
+    integrated,
     stopped_between,
 )
 from vehicledyn.integrate.course import reading_history
@@ -99,7 +100,8 @@ class _Integrators:
             self._made[size] = self._make(size)
         integrator = self._made[size]
         try:
-            result = integrator(x0=state, z0=unknowns, p=[*self._constants, start])
+            given = {"x0": state, "z0": unknowns, "p": [*self._constants, start]}
+            result = integrated(integrator, given)
         except RuntimeError:
             raise Stopped from None
         count_work(integrator.stats(), self._task)

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from vehicledyn.base.errors import NumericalError
+from vehicledyn.base.interrupts import heeded
 from vehicledyn.integrate.explicit_pairs.adaptive_run import steepest_state
 from vehicledyn.integrate.implicit import ImplicitEquations
 from vehicledyn.integrate.task import Task
@@ -37,6 +38,12 @@ def elapsed_equations(implicit: ImplicitEquations, p: Any, elapsed: Any) -> dict
     if not z.numel():
         del dae["z"], dae["alg"]
     return dae
+
+
+def integrated(integrator: Any, given: Mapping[str, Any]) -> Any:
+    """Return what an integrator makes of its inputs; it takes Ctrl-C for rates that failed."""
+    with heeded():
+        return integrator(**given)
 
 
 def count_work(stats: Mapping[str, Any], task: Task) -> int:

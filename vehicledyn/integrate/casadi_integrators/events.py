@@ -17,6 +17,7 @@ from vehicledyn.integrate.casadi_integrators.calls import (
     Stopped,
     count_work,
     elapsed_equations,
+    integrated,
     stopped_between,
 )
 from vehicledyn.integrate.events import ConsistentPoint
@@ -112,7 +113,7 @@ class _Stretches:
         integrator, length = self._made[size], end - start.time
         try:
             p = [*self._constants, start.time, length]
-            result = integrator(x0=start.state, z0=start.unknowns, p=p)
+            result = integrated(integrator, {"x0": start.state, "z0": start.unknowns, "p": p})
             states, guesses = (np.array(result[key]).T.copy() for key in ("xf", "zf"))
             if not np.isfinite(states).all():
                 raise Stopped
