@@ -29,11 +29,12 @@ def identify(
     measured: Mapping[str, tuple[Any, Any, float | str]],
     parameters: Mapping[str, Mapping[str, Any]],
     *,
+    figures: Mapping[str, Mapping[str, Any]] | None = None,
     set: Settings | None = None,
     progress: Progress = False,
     **settings: Any,
 ) -> IdentificationReport:
-    """Return the parameters with which a run comes closest to measured channels.
+    """Return the parameters with which a run comes closest to measured channels and figures.
 
     Parameters
     ----------
@@ -44,6 +45,10 @@ def identify(
         text with unit or a number in SI.
     parameters
         For each parameter "from" and "to"; the search begins at its own value.
+    figures
+        By name of a figure its measured "value", or for a curve the places that it is "over"
+        with their "over_unit", and the "values" there with their "unit", SI if it is left out;
+        and its "noise", "relative_noise" or both, as in a study file.
     set, settings, progress
         As for :func:`vehicledyn.simulate`.
 
@@ -62,21 +67,22 @@ def identify(
     """
     loaded = read_scenario(scenario, override_texts(set, settings))
     tell, items = reporter(progress), []
-    known = KnownNames.of(loaded, tell)
+    known = KnownNames.of(loaded, tell) if measured else None
     for channel, parts in measured.items():
         if len(parts) != 3:
             raise InputError(f"{argument('measured')}: {channel}: give times, values and noise")
         times, values = (np.asarray(part, dtype=float) for part in parts[:2])
         noise = parts[2]
+        assert known is not None  # there is a channel
         unit = known.channel_unit(channel)
         try:
             size = to_si(noise, unit)
         except InputError as error:
             raise InputError(f"{argument('measured')}: {channel}: noise: {error}") from None
         items.append(MeasuredChannel(channel, times, values, size))
-    if not items:
-        raise InputError(f"{argument('measured')}: give one channel or more")
-    return find(loaded, items, parameters, tell)
+    if not items and not figures:
+        raise InputError(f"{argument('measured')}: give one channel or more, or figures")
+    return find(loaded, items, parameters, tell, figures or {})
 
 
 @checked

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 import vehicledyn as vd
+import vehicledyn.catalogue  # the study is loaded behind the front door
 from vehicledyn.base.errors import InputError
 from vehicledyn.results.tables.identification_table import read_identification
 from vehicledyn.studies.identification.study import load_identification
@@ -191,3 +192,57 @@ def test_what_is_no_curve_is_refused_in_its_line(tmp_path, old, new, match):
     with pytest.raises(InputError, match=match) as refused:
         vd.identify_study(study(tmp_path, changed))
     assert "study.yaml:" in str(refused.value)
+
+
+STIFFNESS = {"body.stiffness": {"from": "5 kN/m", "to": "60 kN/m"}}
+CURVE = {
+    "over": np.array([1.0, 2.0, 5.0]), "over_unit": "Hz",
+    "values": np.array([1.1 - 0.1j, np.nan, 0.2 - 0.4j]), "noise": 0.05,
+}  # fmt: skip
+
+
+@pytest.mark.long
+def test_both_doors_give_the_same_numbers(tmp_path):
+    """Curves and figures from a study file, and as arrays."""
+    gain, phase = "gain(body.height, road.height)", "phase(body.height, road.height)"
+    with h5py.File(tmp_path / "shaker.h5", "w") as file:
+        file["f"], file["H"] = CURVE["over"], CURVE["values"]
+    text = COMPLEX.replace("imaginary(body.height, road.height)", "mean(body.height)")
+    ending = "{over: f, column: H, over_unit: Hz, unit: 1, noise: 0.1}"
+    text = text.replace(ending, "{value: 4 cm, noise: 1 m}").replace("noise: 3 deg", "noise: 0.05")
+    path = study(tmp_path, text.replace("noise: 0.05}", "noise: 0.05 rad}").replace(" rad", "", 1))
+    figures = {gain: CURVE, phase: CURVE, "mean(body.height)": {"value": 0.04, "noise": "1 m"}}
+    own = vd.identify(tmp_path / "run.yaml", {}, STIFFNESS, figures=figures)
+    found = vd.identify_study(path).report
+    assert own.found.values.tolist() == found.found.values.tolist()
+    assert own.found.covariance.tolist() == found.found.covariance.tolist()
+    assert own.as_text().count("1 gap is left out") == 2
+
+
+@pytest.mark.parametrize(
+    ("name", "change", "match"),
+    [
+        ("gain", {"over_unit": None}, "states no unit of 'over'; give 'over_unit'"),
+        ("gain", {"over_unit": "mm"}, "Hz"),
+        ("gain", {"overs": 1}, "unknown key; did you mean 'over'"),
+        ("gain", {"values": [1.0]}, "not of the same length"),
+        ("gain", {"values": "no"}, "'values' holds no numbers"),
+        ("gain", {"values": [[1.0, 2.0], [3.0]]}, "expected an array of numbers"),
+        ("gain", {"unit": "kg"}, "'kg' does not measure"),
+        ("gain", {"noise": "1 mm"}, "wrong unit"),
+        ("gane", {}, "figures.gane.*did you mean"),
+    ],
+)
+def test_wrong_figures_are_named_in_python(name, change, match):
+    entry = {key: item for key, item in {**CURVE, **change}.items() if item is not None}
+    figures = {f"{name}(body.height, road.height)": entry}
+    with pytest.raises(InputError, match=match) as refused:
+        vd.identify("quarter_car", {}, STIFFNESS, figures=figures, duration="1 s")
+    assert str(refused.value).startswith("figures.")
+
+
+def test_figures_that_are_no_mappings_are_named():
+    with pytest.raises(InputError, match="figures: expected a mapping"):
+        vd.identify("quarter_car", {}, STIFFNESS, figures={"rms(strut.force)": 1.0})
+    with pytest.raises(InputError, match="measured: give one channel or more, or figures"):
+        vd.identify("quarter_car", {}, STIFFNESS)

@@ -35,7 +35,7 @@ class DataColumn(NamedTuple):
     times: Floats | None = None
     lines: Sequence[int] = ()
 
-    def place(self, path: Path, row: int) -> str:
+    def place(self, path: Path | str, row: int) -> str:
         """Return where in the file a value stands."""
         return f"{path}:{self.lines[row]}" if self.lines else f"{path}: row {row + 1}"
 
@@ -55,7 +55,7 @@ def clean_unit(text: object) -> str | None:
     return "1" if words == "-" else words or None
 
 
-def chosen_unit(path: Path, column: DataColumn, given: object, key: str = "unit") -> str:
+def chosen_unit(path: Path | str, column: DataColumn, given: object, key: str = "unit") -> str:
     """Return the unit of a column: that of the file, or the one given for it under a key.
 
     Raises
@@ -81,13 +81,15 @@ def chosen_unit(path: Path, column: DataColumn, given: object, key: str = "unit"
     return str(given)
 
 
-def in_si(path: Path, column: DataColumn, given: object, unit: str, key: str = "unit") -> Floats:
+def in_si(
+    path: Path | str, column: DataColumn, given: object, unit: str, key: str = "unit"
+) -> Floats:
     """Return the values of a column in SI.
 
     Parameters
     ----------
     path
-        The file.
+        The file, or what the values were given as.
     column
         The column.
     given
@@ -113,7 +115,7 @@ def in_si(path: Path, column: DataColumn, given: object, unit: str, key: str = "
     return np.asarray(column.values, dtype=float) * own.factor
 
 
-def numbers_of(path: Path, name: str, values: Any) -> NDArray[Any]:
+def numbers_of(path: Path | str, name: str, values: Any) -> NDArray[Any]:
     """Return an array of a file as the numbers of a column, those of a matrix by ``name(:, 2)``.
 
     Raises

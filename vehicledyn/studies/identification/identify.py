@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from types import MappingProxyType
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -26,6 +27,7 @@ from vehicledyn.studies.identification.experiments import (
 from vehicledyn.studies.identification.figure_fitting import FigureFitting
 from vehicledyn.studies.identification.identified import Unknowns
 from vehicledyn.studies.identification.measured_data import words_on_gaps
+from vehicledyn.studies.identification.measured_figures import given_figures, known_names
 from vehicledyn.studies.known_names import KnownNames
 from vehicledyn.studies.mistakes import Mistakes
 
@@ -103,15 +105,30 @@ def identify(
     measured: Sequence[MeasuredChannel],
     parameters: Mapping[str, Mapping[str, Any]],
     progress: Progress,
+    figures: Mapping[str, Mapping[str, Any]] = MappingProxyType({}),
 ) -> IdentificationReport:
     """Return the parameters with which one scenario comes closest to measurements.
 
-    The arguments are those of :func:`identify_from`, of one experiment.
+    The arguments are those of :func:`identify_from`, of one experiment; ``figures`` those of
+    :func:`given_figures`.
     """
     found = [item.without_gaps() for item in measured]
     notes = [f"{item.channel}: {words_on_gaps(lost)}" for item, lost in found if lost]
-    experiments = [Experiment("", loaded, tuple(item for item, _ in found))]
-    return identify_from(loaded.title, experiments, parameters, progress=progress, remarks=notes)
+    mistakes = Mistakes()
+    groups, lost = given_figures(mistakes, loaded, figures, progress)
+    known = known_names(loaded, groups, is_run=bool(measured), progress=progress)
+    experiments = [Experiment("", loaded, tuple(item for item, _ in found), groups)]
+    own = [(loaded, known)]
+    unknowns = checked_unknowns(mistakes, experiments, parameters, (), own)
+    mistakes.refuse()
+    return identify_from(
+        loaded.title,
+        experiments,
+        parameters,
+        progress=progress,
+        remarks=[*notes, *lost],
+        unknowns=unknowns,
+    )
 
 
 def identify_from(

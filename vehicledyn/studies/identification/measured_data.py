@@ -121,7 +121,19 @@ def read_curve(path: Path, wanted: CurveColumns) -> MeasuredCurve:
         If the file or a column cannot be read, a value has no place, or no place has a value.
     """
     columns = _read(path, list(dict.fromkeys([wanted.over, wanted.column])))
-    over, values = columns[wanted.over], columns[wanted.column]
+    return curve_of_columns(path, columns[wanted.over], columns[wanted.column], wanted.over_unit)
+
+
+def curve_of_columns(
+    path: Path | str, over: DataColumn, values: DataColumn, over_unit: str | None
+) -> MeasuredCurve:
+    """Return a curve of two columns, ``over_unit`` being that of its places if they state none.
+
+    Raises
+    ------
+    InputError
+        If the columns do not fit together, a value has no place, or no place has a value.
+    """
     if np.iscomplexobj(over.values):
         raise InputError(f"{path}: '{over.name}' holds complex numbers", about=(over.name,))
     if len(over.values) != len(values.values):
@@ -144,7 +156,7 @@ def read_curve(path: Path, wanted: CurveColumns) -> MeasuredCurve:
         raise InputError(f"{path}: {words}", about=(values.name,))
     return MeasuredCurve(
         over.name,
-        chosen_unit(path, over, wanted.over_unit, "over_unit"),
+        chosen_unit(path, over, over_unit, "over_unit"),
         over.values[kept],
         values._replace(values=values.values[kept], times=None, lines=()),
         int((no_value & ~no_place).sum()),

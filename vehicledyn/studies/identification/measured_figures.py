@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -14,16 +14,18 @@ from numpy.typing import NDArray
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.analyses.sensitivity.figure_names import wrong_figures
 from vehicledyn.analyses.sensitivity.known_analyses import RUN, analysis_of
-from vehicledyn.base.errors import InputError
+from vehicledyn.base.errors import InputError, nearest_name
 from vehicledyn.base.problems import Place
 from vehicledyn.files.scenario import LoadedScenario
-from vehicledyn.studies.identification.data_columns import DataColumn, in_si
+from vehicledyn.studies.identification.data_columns import DataColumn, in_si, numbers_of
 from vehicledyn.studies.identification.measured_data import (
     CurveColumns,
     MeasuredCurve,
+    curve_of_columns,
     read_curve,
     words_on_gaps,
 )
+from vehicledyn.studies.known_names import KnownNames
 from vehicledyn.studies.mistakes import Mistakes
 from vehicledyn.studies.scenario_figures import AnalysisFigures, RunFigures, ScenarioFigures
 from vehicledyn.studies.study_form import StudyForm
@@ -32,8 +34,12 @@ Floats = NDArray[np.float64]
 
 KEYS = ("value", "over", "over_unit", "column", "unit", "noise", "relative_noise")
 
+_CURVES = ("gain", "phase", "real", "imaginary", "rig", "kinematics", "steady")
 _CALL = re.compile(r"(\w+)\((.+)\)")
-_OF_CURVES = ("over_unit", "column", "unit")
+GIVEN_KEYS = ("value", "over", "over_unit", "values", "unit", "noise", "relative_noise")
+"""What a figure is given by in a study, and in Python."""
+
+_OF_CURVES = ("over_unit", "column", "values", "unit")
 _PART = re.compile(r"(gain|phase|real|imaginary)\(")
 _PHASE = re.compile(r"phase\(|steady\(\w+_phase\b")
 
@@ -83,7 +89,10 @@ def at_place(name: str, place: str) -> str:
     """
     match = _CALL.fullmatch(name)
     if match is None or analysis_of(name) == RUN:
-        raise InputError(f"'{name}' has no places; leave 'over' out and give its 'value'")
+        guess = nearest_name(name.partition("(")[0], _CURVES)
+        hint = f"did you mean '{guess}'? Else " if guess else ""
+        words = f"has no places; {hint}leave 'over' out and give its 'value'"
+        raise InputError(f"'{name}' {words}")
     parts = [part.strip() for part in match[2].split(",")]
     behind = next((k for k, part in enumerate(parts) if "=" in part), len(parts))
     return f"{match[1]}({', '.join([*parts[:behind], place, *parts[behind:]])})"
@@ -114,43 +123,110 @@ def read_figures(
     NumericalError
         If the run or an analysis fails.
     """
-    entries, curves, notes = {}, dict[str, MeasuredCurve](), list[str]()
-    given: dict[str, MeasuredFigure] = {}
-    for name, entry in form.entries((*where, "figures"), KEYS):
+    entries = dict(form.entries((*where, "figures"), KEYS))
+
+    def curve(name: str, entry: Mapping[str, Any]) -> MeasuredCurve:
+        return _curve_of_file(name, entry, data)
+
+    return _measured(form.mistakes, where, loaded, entries, curve, source=str(data), tell=progress)
+
+
+def given_figures(
+    mistakes: Mistakes,
+    loaded: LoadedScenario,
+    figures: Mapping[str, Mapping[str, Any]],
+    progress: Progress,
+) -> tuple[tuple[MeasuredFigures, ...], list[str]]:
+    """Return measured figures that are given as numbers and arrays, and remarks on their gaps.
+
+    What is wrong with them is noted.
+
+    Parameters
+    ----------
+    mistakes
+        What is wrong so far.
+    loaded
+        The scenario.
+    figures
+        By name a mapping with ``value``; or, for a curve, ``over`` with its ``over_unit``,
+        and ``values`` with their ``unit``, None for SI; and ``noise``, ``relative_noise`` or both.
+    progress
+        Called with what is going on.
+
+    Raises
+    ------
+    NumericalError
+        If the run or an analysis fails.
+    """
+    for name, entry in figures.items():
+        mistakes.check_keys(("figures", name), entry, GIVEN_KEYS)
+    return _measured(mistakes, (), loaded, figures, _given_curve, source="values", tell=progress)
+
+
+def known_names(
+    loaded: LoadedScenario,
+    figures: Sequence[MeasuredFigures],
+    *,
+    is_run: bool,
+    progress: Progress,
+) -> KnownNames:
+    """Return what names of an experiment mean; one without a run has no channels and starts."""
+    if is_run or not figures:
+        return KnownNames.of(loaded, progress)
+    parameters = {name: own for group in figures for name, own in group.of.parameters.items()}
+    return KnownNames(figures[0].of.model, parameters, {}, {})
+
+
+def _measured(
+    mistakes: Mistakes,
+    where: Place,
+    loaded: LoadedScenario,
+    given: Mapping[str, Mapping[str, Any]],
+    curve: Callable[[str, Mapping[str, Any]], MeasuredCurve],
+    *,
+    source: str,
+    tell: Progress,
+) -> tuple[tuple[MeasuredFigures, ...], list[str]]:
+    """Return the measured figures of an experiment at a place, and remarks on their gaps.
+
+    ``curve`` gives the curve of an entry that is one; ``source`` is what its values come from.
+    """
+    curves, notes = dict[str, MeasuredCurve](), list[str]()
+    without_values: dict[str, MeasuredFigure] = {}
+    for name, entry in given.items():
         place: Place = (*where, "figures", name)
         if ("value" in entry) == ("over" in entry):
-            form.wrong(place, "give its 'value', or the column that it is a curve 'over'")
+            mistakes.wrong(place, "give its 'value', or the column that it is a curve 'over'")
         elif not {"noise", "relative_noise"} & set(entry):
-            form.wrong(place, "needs noise, or relative_noise")
+            mistakes.wrong(place, "needs noise, or relative_noise")
         elif lone := [key for key in _OF_CURVES if key in entry and "over" not in entry]:
-            form.wrong((*place, lone[0]), "is that of a curve; give what it is 'over', too")
+            mistakes.wrong((*place, lone[0]), "is that of a curve; give what it is 'over', too")
         else:
-            with form.mistakes.at(*place):
+            with mistakes.at(*place):
                 if "over" in entry:
-                    curves[name] = _curve(name, entry, data)
+                    curves[name] = curve(name, entry)
                     if curves[name].gaps:
                         notes.append(f"{name}: {words_on_gaps(curves[name].gaps)}")
-                given[name] = _without_values(name, curves.get(name))
-                entries[name] = entry
+                without_values[name] = _without_values(name, curves.get(name))
     groups = []
-    for kind in dict.fromkeys(map(analysis_of, given)):
-        own = {name: item for name, item in given.items() if analysis_of(name) == kind}
+    for kind in dict.fromkeys(map(analysis_of, without_values)):
+        own = {name: item for name, item in without_values.items() if analysis_of(name) == kind}
         places = {name: (*where, "figures", name) for name in own}
-        found, right = _found(form.mistakes, places, loaded, kind, own, progress=progress)
+        found, right = _found(mistakes, places, loaded, kind, own, progress=tell)
         if found is None:
             continue
         items = []
         for item in right:
             unit = found.units[item.figures[0]] or "1"
-            with form.mistakes.at(*places[item.name]):
-                given_by = form.mistakes, places[item.name], item, entries[item.name]
-                curve = curves.get(item.name)
-                items.append(_with_values(*given_by, data=data, curve=curve, unit=unit))
+            with mistakes.at(*places[item.name]):
+                given_by = mistakes, places[item.name], item, given[item.name]
+                values = curves.get(item.name)
+                items.append(_with_values(*given_by, source=source, curve=values, unit=unit))
         groups.append(MeasuredFigures(found, tuple(items)))
     return tuple(groups), notes
 
 
-def _curve(name: str, entry: Mapping[str, Any], data: Path | None) -> MeasuredCurve:
+def _curve_of_file(name: str, entry: Mapping[str, Any], data: Path | None) -> MeasuredCurve:
     """Return the curve that the data of an experiment give for a figure."""
     if data is None:
         raise InputError("a curve needs the 'data' of the experiment")
@@ -158,6 +234,24 @@ def _curve(name: str, entry: Mapping[str, Any], data: Path | None) -> MeasuredCu
     return read_curve(
         data, CurveColumns(str(entry["over"]), str(entry.get("column", name)), *units)
     )
+
+
+def _given_curve(name: str, entry: Mapping[str, Any]) -> MeasuredCurve:
+    """Return the curve that arrays give for a figure."""
+    if "values" not in entry:
+        raise InputError("needs 'values', one for each place that it is 'over'")
+    unit = entry.get("over_unit")
+    over, values = (_given_column(key, entry[key]) for key in ("over", "values"))
+    return curve_of_columns("figures", over, values, None if unit is None else str(unit))
+
+
+def _given_column(key: str, values: Any) -> DataColumn:
+    """Return the column that an array is."""
+    try:
+        array = np.asarray(values)
+    except (TypeError, ValueError):
+        raise InputError(f"{key}: expected an array of numbers") from None
+    return DataColumn(key, numbers_of(key, key, array))
 
 
 def _without_values(name: str, curve: MeasuredCurve | None) -> MeasuredFigure:
@@ -214,7 +308,7 @@ def _with_values(
     item: MeasuredFigure,
     entry: Mapping[str, Any],
     *,
-    data: Path | None,
+    source: str,
     curve: MeasuredCurve | None,
     unit: str,
 ) -> MeasuredFigure:
@@ -224,8 +318,9 @@ def _with_values(
     part = mistakes.number((*place, "relative_noise"), entry.get("relative_noise", 0.0), "1")
     if min(noise, part) < 0.0 or max(noise, part) == 0.0:
         mistakes.wrong(place, "the deviation of its noise must be above zero")
-    if curve is not None and data is not None:
-        values = _values_of_curve(data, item.name, curve.values, entry.get("unit"), unit)
+    if curve is not None:
+        given_unit = entry.get("unit", unit if "values" in entry else None)  # arrays are in SI
+        values = _values_of_curve(source, item.name, curve.values, given_unit, unit)
     else:
         values = np.array([mistakes.number((*place, "value"), entry["value"], unit)])
     deviations = np.hypot(noise, part * values)
@@ -234,13 +329,15 @@ def _with_values(
     return replace(item, values=values, noise=deviations)
 
 
-def _values_of_curve(data: Path, name: str, column: DataColumn, given: object, unit: str) -> Floats:
+def _values_of_curve(
+    source: str, name: str, column: DataColumn, given: object, unit: str
+) -> Floats:
     """Return the values of a curve in SI; of complex ones those that the figure is of."""
     part = _PART.match(name)
     if not np.iscomplexobj(column.values) or part is None:
-        return in_si(data, column, given, unit)
+        return in_si(source, column, given, unit)
     if part[1] == "phase":
         return np.asarray(np.angle(column.values), dtype=float)
     parts = {"gain": np.abs(column.values), "real": column.values.real}
     values = parts.get(part[1], column.values.imag)
-    return in_si(data, column._replace(values=values), given, unit)
+    return in_si(source, column._replace(values=values), given, unit)

@@ -33,7 +33,7 @@ from vehicledyn.studies.identification.measured_data import (
     read_signals,
     words_on_gaps,
 )
-from vehicledyn.studies.identification.measured_figures import MeasuredFigures, read_figures
+from vehicledyn.studies.identification.measured_figures import known_names, read_figures
 from vehicledyn.studies.known_names import KnownNames
 from vehicledyn.studies.mistakes import silent
 from vehicledyn.studies.study_form import StudyForm
@@ -137,7 +137,8 @@ def load_identification(
         with form.mistakes.at(*where, "scenario"):
             figures, lost = read_figures(form, where, loaded, data, progress)
             notes += lost
-            own = _known(loaded, figures, is_run=bool(item.get("signals")), progress=progress)
+            is_run = bool(item.get("signals"))
+            own = known_names(loaded, figures, is_run=is_run, progress=progress)
             measured, lost = _measured(form, where, item, data, own)
             notes += lost
             known.append((loaded, own))
@@ -183,20 +184,6 @@ def _data(form: StudyForm, where: Place, item: dict[str, Any]) -> Path | None:
         form.wrong((*where, "data"), f"'{item['data']}' beside the study: {error.words}")
         return None
     return data
-
-
-def _known(
-    loaded: LoadedScenario,
-    figures: Sequence[MeasuredFigures],
-    *,
-    is_run: bool,
-    progress: Progress,
-) -> KnownNames:
-    """Return what names of an experiment mean; one without a run has no channels and starts."""
-    if is_run or not figures:
-        return KnownNames.of(loaded, progress)
-    parameters = {name: own for group in figures for name, own in group.of.parameters.items()}
-    return KnownNames(figures[0].of.model, parameters, {}, {})
 
 
 def _measured(
