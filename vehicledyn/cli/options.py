@@ -63,14 +63,19 @@ Overrides = Annotated[
     ),
 ]
 BackendChoice = Annotated[
-    Backend, typer.Option("--backend", help="Compiled C code, CasADi's interpreter, or the best.")
+    Backend,
+    typer.Option(
+        "--backend", help="Compiled C code, CasADi's interpreter, or the better one available."
+    ),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Write JSON to standard output.")]
 Quiet = Annotated[
     bool,
     typer.Option("--quiet", "-q", help="Show errors only.", is_eager=True, callback=set_quiet),
 ]
-Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="Say more about what is done.")]
+Verbose = Annotated[
+    bool, typer.Option("--verbose", "-v", help="Show more details of the progress.")
+]
 
 
 def speeds_in_si(text: str) -> list[float]:

@@ -14,7 +14,7 @@ TAKE_PLUGINS = (
 """Verbs that load models or list catalogues."""
 
 PLUGINS = "plugins"
-PLUGIN_HELP = "Python file that registers laws or parts of your own; may be repeated."
+PLUGIN_HELP = "Python file that registers your own laws or parts; may be repeated."
 
 
 def load_plugins(files: Iterable[str | Path] | None) -> None:

@@ -12,14 +12,12 @@ from vehicledyn.cli.terminal import is_quiet, tell
 
 Overwrite = Annotated[
     bool,
-    typer.Option(
-        "--overwrite", help="Replace any result that has the output's name, an unfinished one too."
-    ),
+    typer.Option("--overwrite", help="Replace any existing result, even an unfinished one."),
 ]
 
 Resume = Annotated[
     bool,
-    typer.Option("--resume", help="Go on with what a killed or stopped command left."),
+    typer.Option("--resume", help="Continue an interrupted computation."),
 ]
 
 RUN, STUDY, HUNT = "vehicledyn-result", "vehicledyn-study", "vehicledyn-hunt"
@@ -89,13 +87,13 @@ def _reason(output: Path, kind: str, facts: dict[str, str], goes_on_by: str) -> 
 
     found = facts.get("format", "")
     if not found:
-        return "exists and is no result that can be read"
+        return "exists and is not a readable result"
     if found != kind:
         return f"holds {held(found)}, not {held(kind)}"
     if kind in _STUDIES:
-        return "holds a study; --resume goes on with it"
+        return "holds a study; continue it with --resume"
     if facts["status"] in ("running", "interrupted") and facts["samples"] != "0":
-        advice = f"; '{goes_on_by} {output}' goes on with it" if goes_on_by else ""
+        advice = f"; continue it with '{goes_on_by} {output}'" if goes_on_by else ""
         return f"holds an unfinished run{advice}"
     return ""
 

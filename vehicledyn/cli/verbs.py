@@ -175,16 +175,16 @@ def run(
     *,
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", help="Result file; the scenario's name with .h5 if absent."),
+        typer.Option("--output", "-o", help="Result file; SCENARIO.h5 if absent."),
     ] = None,
     overrides: Overrides = None,
     plots: Annotated[
-        Path | None, typer.Option(help="Folder of the figures; the result's name with _plots.")
+        Path | None, typer.Option(help="Folder for the figures; RESULT_plots if absent.")
     ] = None,
-    no_plots: Annotated[bool, typer.Option("--no-plots", help="Draw nothing.")] = False,
+    no_plots: Annotated[bool, typer.Option("--no-plots", help="Do not plot figures.")] = False,
     restart: Annotated[
         Path | None,
-        typer.Option(metavar="RESULT", help="Result, partial or whole, to continue from."),
+        typer.Option(metavar="RESULT", help="Partial or complete result to continue from."),
     ] = None,
     overwrite: Overwrite = False,
     backend: BackendChoice = Backend.AUTO,
@@ -192,7 +192,7 @@ def run(
     quiet: Quiet = False,
     verbose: Verbose = False,
 ) -> None:
-    """Simulate a scenario; write its result file and figures."""
+    """Simulate a scenario; write a result file and figures."""
     from vehicledyn.results.plots.drawing_process import drawing_process
 
     with drawing_process(wanted=not no_plots) as draw:
@@ -228,7 +228,7 @@ def validate(
     ],
     overrides: Overrides = None,
 ) -> None:
-    """Check scenario, system and study files completely, without running them."""
+    """Check scenario, system and study files without running them."""
     wrong = OK
     for scenario in scenarios:
         try:
@@ -245,9 +245,9 @@ def validate(
 
 def schema(
     output: Annotated[Path | None, typer.Option("--output", "-o", help="File to write.")] = None,
-    of: Annotated[FileKind, typer.Option("--of", help="Which files.")] = FileKind.SCENARIO,
+    of: Annotated[FileKind, typer.Option("--of", help="Kind of files.")] = FileKind.SCENARIO,
 ) -> None:
-    """Write the JSON schema of scenario, system or study files, for editors."""
+    """Write the JSON schema of scenario, system or study files for editors."""
     import vehicledyn.catalogue  # noqa: F401
 
     text = to_json(_schema_of(of))
@@ -256,7 +256,7 @@ def schema(
     else:
         write_text(output, text)
         line = schema_line(output.name).rstrip()
-        tell(f"Files beside it follow it when their first line is: {line}")
+        tell(f"Files in its folder use it when their first line is: {line}")
 
 
 def _schema_of(kind: FileKind) -> dict[str, Any]:
@@ -275,7 +275,7 @@ def _schema_of(kind: FileKind) -> dict[str, Any]:
 
 
 def doctor(as_json: Json = False) -> None:
-    """Show versions, C compiler, cache and catalogues of this installation."""
+    """Show versions, C compiler, cache and catalogues of the installation."""
     from vehicledyn.cli.commands.doctor import examine
 
     emit_report(examine(), as_json=as_json)

@@ -42,8 +42,8 @@ def test_results_that_ended_are_replaced_and_said_so(result, capsys, kind, statu
     [
         (RUN, RUN, "interrupted", "holds an unfinished run;"),
         (RUN, RUN, "running", "holds an unfinished run;"),
-        (STUDY, STUDY, "ok", "holds a study; --resume goes on with it"),
-        (HUNT, HUNT, "ok", "holds a study; --resume goes on with it"),
+        (STUDY, STUDY, "ok", "holds a study; continue it with --resume"),
+        (HUNT, HUNT, "ok", "holds a study; continue it with --resume"),
         (STUDY, RUN, "ok", "holds a sweep, not a run"),
         (RUN, HUNT, "ok", "holds a run, not a hunting study"),
         ("other", RUN, "ok", "holds other, not a run"),
@@ -71,7 +71,7 @@ def test_a_run_that_was_killed_before_its_first_sample_is_replaced(result):
 
 def test_unfinished_runs_are_gone_on_with_where_the_verb_can(result):
     path = result(RUN, "running")
-    with pytest.raises(InputError, match=r"unfinished run; '--restart .*' goes on with it; choose"):
+    with pytest.raises(InputError, match=r"unfinished run; continue it with '--restart .*'"):
         check_replacing(path, RUN, goes_on_by="--restart")
     with pytest.raises(InputError, match="unfinished run; choose another output"):
         check_replacing(path, RUN)
@@ -80,7 +80,7 @@ def test_unfinished_runs_are_gone_on_with_where_the_verb_can(result):
 def test_unreadable_results_are_kept(tmp_path):
     path = tmp_path / "result.h5"
     path.write_bytes(b"\x89HDF\r\n\x1a\n and nothing more")
-    with pytest.raises(InputError, match="exists and is no result that can be read"):
+    with pytest.raises(InputError, match="exists and is not a readable result"):
         check_replacing(path, RUN)
 
 

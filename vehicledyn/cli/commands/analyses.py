@@ -60,7 +60,7 @@ def show_model(
     overrides: Overrides = None,
     backend: BackendChoice = Backend.AUTO,
     as_yaml: Annotated[
-        bool, typer.Option("--yaml", help="Write it as a system file instead.")
+        bool, typer.Option("--yaml", help="Write the model as a system file instead.")
     ] = False,
     as_json: Json = False,
 ) -> None:
@@ -93,7 +93,7 @@ def equilibrium(
     overwrite: Overwrite = False,
     as_json: Json = False,
 ) -> None:
-    """Find the equilibrium of a vehicle that stands or runs straight ahead, or of a system."""
+    """Compute the equilibrium of a vehicle at rest or running straight ahead, or of a system."""
     loaded = read_target(target, overrides)
     as_result = output is not None and is_result_name(output)
     if output is not None and as_result:

@@ -30,7 +30,7 @@ def animate(
     *,
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", help="Page; the result's name with _animation.html."),
+        typer.Option("--output", "-o", help="Page to write; RESULT_animation.html if absent."),
     ] = None,
     others: Annotated[
         list[Path] | None,
@@ -38,26 +38,27 @@ def animate(
     ] = None,
     channels: Annotated[
         list[str] | None,
-        typer.Option("--channel", metavar="PATTERN", help="Offer these channels for plots only."),
+        typer.Option("--channel", metavar="PATTERN", help="Offer only these channels for plots."),
     ] = None,
     begin: Annotated[
-        str | None, typer.Option("--from", metavar="TIME", help="Where page and film begin.")
+        str | None, typer.Option("--from", metavar="TIME", help="Start time of page and film.")
     ] = None,
     end: Annotated[
-        str | None, typer.Option("--to", metavar="TIME", help="Where page and film end.")
+        str | None, typer.Option("--to", metavar="TIME", help="End time of page and film.")
     ] = None,
     picture: Annotated[
-        Path | None, typer.Option(help="Draw one picture into this png, svg or pdf file.")
+        Path | None, typer.Option(help="Save one picture to this png, svg or pdf file.")
     ] = None,
     at: Annotated[
-        str | None, typer.Option(metavar="TIME", help="Time of the picture; the middle if absent.")
+        str | None, typer.Option(metavar="TIME", help="Time of the picture; mid-run if absent.")
     ] = None,
-    film: Annotated[
-        Path | None, typer.Option(help="Draw a film into this gif or mp4 file.")
-    ] = None,
-    rate: Annotated[int, typer.Option(min=1, max=100, help="Pictures of the film a second.")] = 15,
+    film: Annotated[Path | None, typer.Option(help="Save a film to this gif or mp4 file.")] = None,
+    rate: Annotated[int, typer.Option(min=1, max=100, help="Frames per second of the film.")] = 15,
     speed: Annotated[
-        float, typer.Option(min=1e-4, max=1e4, help="Seconds of the result a second of film.")
+        float,
+        typer.Option(
+            min=1e-4, max=1e4, help="Playback speed: simulated seconds per second of film."
+        ),
     ] = 1.0,
     view: Annotated[
         str, typer.Option(help="Camera of picture and film: angle, side, front or top.")
@@ -65,7 +66,7 @@ def animate(
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
-    """Show a result in motion: a page for the browser, a picture or a film."""
+    """Animate a result: a page for the browser, a picture or a film."""
     moment = None if at is None else _time("--at", at)
     first = -math.inf if begin is None else _time("--from", begin)
     last = math.inf if end is None else _time("--to", end)

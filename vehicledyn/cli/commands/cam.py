@@ -25,12 +25,12 @@ def cam(
         Path | None, typer.Option("--output", "-o", help="Table (CSV, HDF5) to write.")
     ] = None,
     profile: Annotated[
-        Path | None, typer.Option(help="Profile for the milling machine (DXF, CSV), in mm.")
+        Path | None, typer.Option(help="Profile for machining (DXF, CSV), in mm.")
     ] = None,
     tolerance: Annotated[
         str, typer.Option(help='Distance of the profile\'s chords from the curve, as "1 um".')
     ] = "1 um",
-    plots: Annotated[Path | None, typer.Option(help="Folder of the pictures.")] = None,
+    plots: Annotated[Path | None, typer.Option(help="Folder for the figures.")] = None,
     as_json: Json = False,
 ) -> None:
     """Show a cam: motion, profile, pressure angle, curvature, undercut and forces."""

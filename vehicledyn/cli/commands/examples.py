@@ -56,11 +56,13 @@ def copy_example(
     *,
     folder: Annotated[
         Path,
-        typer.Option("--output", "-o", metavar="FOLDER", help="Where to; the current folder."),
+        typer.Option(
+            "--output", "-o", metavar="FOLDER", help="Target folder; the current one if absent."
+        ),
     ] = Path(),
     quiet: Quiet = False,
 ) -> None:
-    """Copy a file of the library and all that it refers to; overwrite nothing."""
+    """Copy a library file and all files it refers to; never overwrites."""
     entry = find_entry(name, _COPIED)
     if entry is None:
         raise InputError(unknown_name("file of the library", name, names_of(*_COPIED)))

@@ -22,22 +22,24 @@ def export_data(
     *,
     output: Annotated[
         Path,
-        typer.Option("--output", "-o", metavar="FILE", help="Ends in .csv, .mat or .parquet."),
+        typer.Option(
+            "--output", "-o", metavar="FILE", help="File to write: .csv, .mat or .parquet."
+        ),
     ],
     channels: Annotated[
         list[str] | None,
         typer.Option(
             "--channel",
             metavar="PATTERN",
-            help="Write these arrays only; may be repeated.",
+            help="Write only these arrays; may be repeated.",
             autocompletion=channel_names,
         ),
     ] = None,
     overwrite: Annotated[
-        bool, typer.Option("--overwrite", help="Replace a file that exists.")
+        bool, typer.Option("--overwrite", help="Replace an existing file.")
     ] = False,
 ) -> None:
-    """Write a result as a table with units: CSV, a MATLAB file or Parquet; print its name."""
+    """Export a result as a table with units (CSV, MATLAB or Parquet) and print its path."""
     from vehicledyn.results.labelled.data import open_result
 
     emit(str(open_result(result).export(output, *(channels or ()), overwrite=overwrite)))

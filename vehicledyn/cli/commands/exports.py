@@ -32,15 +32,17 @@ def add_verbs(app: typer.Typer) -> None:
 def export(
     target: Target,
     *,
-    to: Annotated[Kind, typer.Option("--to", help="What to write.")],
+    to: Annotated[Kind, typer.Option("--to", help="Target format.")],
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", metavar="PATH", help="File or folder; the present folder."),
+        typer.Option(
+            "--output", "-o", metavar="PATH", help="File or folder; the current folder if absent."
+        ),
     ] = None,
     overrides: Overrides = None,
     as_json: Json = False,
 ) -> None:
-    """Write the equations as C, Python or MATLAB functions, as an FMU or for CUDA."""
+    """Export the equations as C, Python or MATLAB functions, as an FMU or for CUDA."""
     loaded = read_target(target, overrides)
     listen(quiet=False, verbose=False)
     with show_progress() as progress:

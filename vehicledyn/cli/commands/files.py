@@ -126,30 +126,34 @@ def _is_cam(data: Any) -> bool:
 
 def compare(
     result: ResultFile,
-    reference: Annotated[Path, typer.Argument(metavar="REFERENCE", help="Result it should equal.")],
+    reference: Annotated[Path, typer.Argument(metavar="REFERENCE", help="Reference result.")],
     *,
     relative: Annotated[
         float, typer.Option(min=0.0, help="Tolerance relative to the reference's range.")
     ] = 1e-6,
-    absolute: Annotated[float, typer.Option(min=0.0, help="Tolerance in SI, added to it.")] = 1e-12,
+    absolute: Annotated[
+        float, typer.Option(min=0.0, help="Absolute tolerance in SI units, added to it.")
+    ] = 1e-12,
     tolerances: Annotated[
         list[str] | None,
-        typer.Option("--tolerance", metavar="PATTERN=VALUE", help="Relative, for some channels."),
+        typer.Option(
+            "--tolerance", metavar="PATTERN=VALUE", help="Relative tolerance of some channels."
+        ),
     ] = None,
     channels: Annotated[
         list[str] | None,
         typer.Option(
             "--channel",
             metavar="PATTERN",
-            help="Compare these channels only.",
+            help="Compare only these channels.",
             autocompletion=channel_names,
         ),
     ] = None,
     allow_missing: Annotated[
-        bool, typer.Option("--allow-missing", help="Channels may be missing from the result.")
+        bool, typer.Option("--allow-missing", help="Allow channels to be missing from the result.")
     ] = False,
     interpolate: Annotated[
-        bool, typer.Option("--interpolate", help="Sample times may differ.")
+        bool, typer.Option("--interpolate", help="Interpolate where sample times differ.")
     ] = False,
     junit: Annotated[Path | None, typer.Option(help="Write a JUnit report to this file.")] = None,
     as_json: Json = False,
@@ -182,7 +186,7 @@ def compare(
 
 def plot(
     results: Annotated[
-        list[Path], typer.Argument(metavar="RESULT...", help="Result files, drawn together.")
+        list[Path], typer.Argument(metavar="RESULT...", help="Result files to plot together.")
     ],
     folder: Annotated[
         Path | None,
@@ -190,14 +194,14 @@ def plot(
             "--output",
             "-o",
             help="Folder, or a picture file (.png, .svg, .pdf) for a single figure; "
-            "the result's name with _plots.",
+            "RESULT_plots if absent.",
         ),
     ] = None,
     only: Annotated[
         list[str] | None,
         typer.Option(
             metavar="NAME",
-            help="Draw this figure, channel or pattern of channels; may be repeated.",
+            help="Plot this figure, channel or pattern of channels; may be repeated.",
             autocompletion=figure_names,
         ),
     ] = None,
@@ -205,7 +209,7 @@ def plot(
         str | None,
         typer.Option(
             metavar="CHANNEL",
-            help="Draw channels over this one instead of time.",
+            help="Plot channels against this one instead of time.",
             autocompletion=channel_names,
         ),
     ] = None,
@@ -213,7 +217,7 @@ def plot(
         str, typer.Option("--format", metavar="FORMATS", help="png, svg or both.")
     ] = "png,svg",
 ) -> None:
-    """Draw the figures or any channels of one or several results; print the files written."""
+    """Plot standard figures or any channels of one or more results; print the files written."""
     wanted = tuple(filter(None, (text.strip() for text in formats.split(","))))
     if not wanted or not set(wanted) <= set(Format):
         raise InputError(f"--format {formats}: write png, svg or png,svg")
@@ -252,7 +256,7 @@ def _joined(paths: Sequence[Path]) -> str:
 
 
 def info(result: ResultFile, as_json: Json = False) -> None:
-    """Show what a result file holds."""
+    """Show the contents of a result file."""
     from vehicledyn.results.info import describe_result
     from vehicledyn.results.plots.table_results import describe_table, holds_table
     from vehicledyn.results.store.study_reader import is_study_file
@@ -269,13 +273,13 @@ def assess(
     result: ResultFile,
     *,
     begin: Annotated[
-        str | None, typer.Option("--from", metavar="TIME", help="Assess what comes after it.")
+        str | None, typer.Option("--from", metavar="TIME", help="Start of the assessed section.")
     ] = None,
     end: Annotated[
-        str | None, typer.Option("--to", metavar="TIME", help="Assess what comes before it.")
+        str | None, typer.Option("--to", metavar="TIME", help="End of the assessed section.")
     ] = None,
     output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="File to write as JSON as well.")
+        Path | None, typer.Option("--output", "-o", help="JSON file to write in addition.")
     ] = None,
     as_json: Json = False,
 ) -> None:

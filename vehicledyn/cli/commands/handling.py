@@ -22,13 +22,11 @@ if TYPE_CHECKING:
     from vehicledyn.results.labelled.data import LabelledData
     from vehicledyn.results.tables.handling_table import HandlingTable
 
-Against = Annotated[
-    str | None, typer.Option(metavar="CAR", help="Second car, whose results stand beside.")
-]
+Against = Annotated[str | None, typer.Option(metavar="CAR", help="Second car to compare with.")]
 Result = Annotated[
     Path | None, typer.Option("--output", "-o", help="Result file (.h5) of the first car.")
 ]
-Plots = Annotated[Path | None, typer.Option(help="Folder of the figures.")]
+Plots = Annotated[Path | None, typer.Option(help="Folder for the figures.")]
 ReportPage = Annotated[Path | None, typer.Option("--report", help="Report to write (.html).")]
 
 
@@ -41,7 +39,9 @@ def add_verbs(app: typer.Typer) -> None:
 def steady(
     car: Target,
     *,
-    speed: Annotated[str, typer.Option(help="Speed of turns, moments and limits.")] = "100 km/h",
+    speed: Annotated[
+        str, typer.Option(help="Speed for turns, yaw moments and limits.")
+    ] = "100 km/h",
     radius: Annotated[str, typer.Option(help="Radius of the circle.")] = "100 m",
     against: Against = None,
     overrides: Overrides = None,
@@ -53,7 +53,7 @@ def steady(
     overwrite: Overwrite = False,
     as_json: Json = False,
 ) -> None:
-    """Find steady cornering without time simulation: gradients, modes, yaw moments, limits."""
+    """Compute steady-state cornering: gradients, modes, yaw moments and limits."""
     wish = {"speed": speed, "radius": radius, "backend": backend.value}
     files = _Files(output, plots, page, overwrite, resume)
     _perform(vehicledyn.steady, _targets(car, against, overrides), files, wish, as_json)
@@ -72,7 +72,7 @@ def handling(
     overwrite: Overwrite = False,
     as_json: Json = False,
 ) -> None:
-    """Drive a car through the standards' handling tests; write one report of their quantities."""
+    """Drive a car through the standard handling tests and write one report of the results."""
     files = _Files(output, plots, page, overwrite, resume)
     wish = {"backend": backend.value}
     _perform(vehicledyn.handling, _targets(car, against, overrides), files, wish, as_json)

@@ -30,15 +30,15 @@ def hunt(
     ],
     last: Annotated[str, typer.Option("--to", metavar="VALUE", help="Highest value.")],
     parameter: Annotated[
-        str, typer.Option("--parameter", "-p", metavar="NAME", help="What is varied.")
+        str, typer.Option("--parameter", "-p", metavar="NAME", help="Parameter to vary.")
     ] = "speed",
     points: Annotated[
         int | None,
         typer.Option(
             min=2,
             max=10000,
-            help="About as many cycles on each way through the range; 60, fewer where cycles take "
-            "long, if left out.",
+            help="Approximate number of cycles per pass through the range; 60 if absent, fewer "
+            "where cycles are expensive.",
         ),
     ] = None,
     channels: Annotated[
@@ -46,49 +46,49 @@ def hunt(
         typer.Option(
             "--channel",
             metavar="CHANNEL",
-            help="Report amplitudes of this; the first one is watched in simulations.",
+            help="Report the amplitude of this channel; simulations monitor the first one.",
         ),
     ] = None,
     amplitude: Annotated[
-        float, typer.Option(help="First amplitude of a branch, in m or rad, of the leading one.")
+        float, typer.Option(help="Initial amplitude of a branch, in m or rad.")
     ] = 1e-4,
     disturbance: Annotated[
-        float, typer.Option(help="With which simulations start, in m or rad.")
+        float, typer.Option(help="Initial disturbance of simulations, in m or rad.")
     ] = 1e-3,
     no_simulation: Annotated[
-        bool, typer.Option("--no-simulation", help="Leave out the check by simulation.")
+        bool, typer.Option("--no-simulation", help="Skip the check by simulation.")
     ] = False,
     simulated: Annotated[
         str | None,
         typer.Option(
             metavar="TIME",
-            help='Motion simulated at most for the check, such as "500 s"; about as much as half a '
-            "minute computes if left out.",
+            help='Longest motion simulated for the check, such as "500 s"; about half a minute of '
+            "computing if absent.",
         ),
     ] = None,
     secondary: Annotated[
         bool | None,
         typer.Option(
             "--secondary/--no-secondary",
-            help="Follow cycles that branch off at branch points, more to one side than to the "
-            "other; if not given, where no stable cycle is found.",
+            help="Follow asymmetric cycles from branch points; if absent, only where no stable "
+            "cycle is found.",
         ),
     ] = None,
     overrides: Overrides = None,
     output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="Result file; NAME_hunt.h5.")
+        Path | None, typer.Option("--output", "-o", help="Result file; NAME_hunt.h5 if absent.")
     ] = None,
     plots: Annotated[
-        Path | None, typer.Option(help="Folder of the figures; the result's name with _plots.")
+        Path | None, typer.Option(help="Folder for the figures; RESULT_plots if absent.")
     ] = None,
     resume: Resume = False,
     overwrite: Overwrite = False,
-    no_plots: Annotated[bool, typer.Option("--no-plots", help="Draw nothing.")] = False,
+    no_plots: Annotated[bool, typer.Option("--no-plots", help="Do not plot figures.")] = False,
     backend: BackendChoice = Backend.AUTO,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
-    """Find critical speeds and limit cycles along a speed or any other parameter."""
+    """Compute critical speeds, and limit cycles over speed or any other parameter."""
     loaded = read_target(target, overrides)
     result = output or Path(f"{Path(target).stem}_hunt.h5")
     check_replacing(result, HUNT, overwrite=overwrite, resume=resume)

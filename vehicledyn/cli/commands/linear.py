@@ -64,14 +64,14 @@ def eig(
         typer.Option(
             "--set",
             metavar="KEY=VALUE",
-            help="Change a value; one key given several times makes as many cases.",
+            help="Change a value; repeat a key to compute several cases.",
         ),
     ] = None,
     start: Annotated[
         StartKind | None,
         typer.Option(
-            help="Point to linearise about; straight running of a vehicle, the scenario's start "
-            "or equilibrium of a system if absent."
+            help="Point to linearise about; if absent, straight running of a vehicle, or the "
+            "scenario's start or the equilibrium of a system."
         ),
     ] = None,
     backend: BackendChoice = Backend.AUTO,
@@ -88,7 +88,7 @@ def eig(
     overwrite: Overwrite = False,
     as_json: Json = False,
 ) -> None:
-    """Find eigenmodes about straight running, or about a start or equilibrium of a system."""
+    """Compute eigenmodes of a vehicle running straight, or of a system about a given point."""
     speeds = [value for text in speed or [] for value in speeds_in_si(text)]
     cases = cases_of(overrides or [])
     targets = _targets(target, cases)
@@ -162,16 +162,16 @@ def response(
     ] = None,
     outputs: Annotated[
         list[str] | None,
-        typer.Option("--output", "-y", metavar="CHANNEL", help="Channel; may be repeated."),
+        typer.Option("--output", "-y", metavar="CHANNEL", help="Output channel; may be repeated."),
     ] = None,
     first: Annotated[
-        str, typer.Option("--from", metavar="FREQUENCY", help="Lowest, such as '0.1 Hz'.")
+        str, typer.Option("--from", metavar="FREQUENCY", help="Lowest frequency, such as '0.1 Hz'.")
     ] = "0.1 Hz",
     last: Annotated[
-        str, typer.Option("--to", metavar="FREQUENCY", help="Highest, such as '30 Hz'.")
+        str, typer.Option("--to", metavar="FREQUENCY", help="Highest frequency, such as '30 Hz'.")
     ] = "30 Hz",
     points: Annotated[int, typer.Option(help="Number of frequencies.")] = 200,
-    spacing: Annotated[Spacing, typer.Option(help="How they are spaced.")] = Spacing.LOG,
+    spacing: Annotated[Spacing, typer.Option(help="Spacing of the frequencies.")] = Spacing.LOG,
     at: Annotated[
         list[str] | None,
         typer.Option(metavar="FREQUENCY", help="Report the response here; may be repeated."),
@@ -183,11 +183,11 @@ def response(
     result: Annotated[
         Path | None, typer.Option("--result", "-o", help="Result file (HDF5) to write.")
     ] = None,
-    plots: Annotated[Path | None, typer.Option(help="Folder for Bode figures.")] = None,
+    plots: Annotated[Path | None, typer.Option(help="Folder for Bode plots.")] = None,
     overwrite: Overwrite = False,
     as_json: Json = False,
 ) -> None:
-    """Find the frequency response of outputs to inputs, linearised about a reference motion."""
+    """Compute frequency responses from inputs to outputs, linearised about a reference motion."""
     loaded = read_target(target, overrides)
     if result is not None:
         check_replacing(result, RESPONSE, overwrite=overwrite)

@@ -24,11 +24,13 @@ def linearise(
     *,
     inputs: Annotated[
         list[str] | None,
-        typer.Option("--input", "-u", metavar="NAME", help="As of 'response'; may be repeated."),
+        typer.Option(
+            "--input", "-u", metavar="NAME", help="Input, as for 'response'; may be repeated."
+        ),
     ] = None,
     outputs: Annotated[
         list[str] | None,
-        typer.Option("--output", "-y", metavar="CHANNEL", help="Channel; may be repeated."),
+        typer.Option("--output", "-y", metavar="CHANNEL", help="Output channel; may be repeated."),
     ] = None,
     order: Annotated[
         int | None, typer.Option(help="States to keep, by balanced truncation; all if absent.")
@@ -38,8 +40,8 @@ def linearise(
         typer.Option(
             "--to",
             metavar="PATTERN",
-            help="Parameters to differentiate A, B, C and D by, such as 'front.*'; may be "
-            "repeated, none if absent.",
+            help="Differentiate A, B, C and D with respect to these parameters, such as 'front.*'; "
+            "may be repeated, none if absent.",
         ),
     ] = None,
     speed: Annotated[
@@ -51,7 +53,7 @@ def linearise(
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Linearise a model about its reference motion; write its state space for control design."""
+    """Linearise a model about its reference motion; write a state-space model."""
     loaded = read_target(target, overrides)
     if not inputs or not outputs:
         missing = "--input" if not inputs else "--output"

@@ -23,10 +23,8 @@ from vehicledyn.cli.options import (
 from vehicledyn.cli.performing import conclude, perform
 from vehicledyn.cli.replacing import RUN, Overwrite, Resume, check_replacing
 
-Plots = Annotated[
-    Path | None, typer.Option(help="Folder of the figures; the result's name with _plots.")
-]
-NoPlots = Annotated[bool, typer.Option("--no-plots", help="Draw nothing.")]
+Plots = Annotated[Path | None, typer.Option(help="Folder for the figures; RESULT_plots if absent.")]
+NoPlots = Annotated[bool, typer.Option("--no-plots", help="Do not plot figures.")]
 
 
 def add_verbs(app: typer.Typer) -> None:
@@ -45,16 +43,16 @@ def kinematics(
             "--drive",
             metavar="NAME=FROM:TO:STEPS",
             help="Coordinate or sensor and its values, such as 'wheel.z=200 mm:400 mm:20', or one "
-            "value; may be repeated. Without it the scenario's section 'kinematics'.",
+            "value; may be repeated. The scenario's section 'kinematics' if absent.",
         ),
     ] = None,
     together: Annotated[
         bool,
-        typer.Option("--together", help="Move the drives at once, not through all combinations."),
+        typer.Option("--together", help="Move all drives together, not through all combinations."),
     ] = False,
     hold: Annotated[
         list[str] | None,
-        typer.Option(metavar="COORDINATE", help="Keep this coordinate at its start."),
+        typer.Option(metavar="COORDINATE", help="Hold this coordinate at its start value."),
     ] = None,
     columns: Annotated[
         list[str] | None,
@@ -62,7 +60,8 @@ def kinematics(
     ] = None,
     overrides: Overrides = None,
     output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="Result file; NAME_kinematics.h5.")
+        Path | None,
+        typer.Option("--output", "-o", help="Result file; NAME_kinematics.h5 if absent."),
     ] = None,
     plots: Plots = None,
     no_plots: NoPlots = False,
@@ -71,7 +70,7 @@ def kinematics(
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
-    """Sweep the loops of a system along driven paths: positions, velocity ratios, singularities."""
+    """Move a mechanism along driven paths: positions, velocity ratios, singularities."""
     ranges = dict(map(_drive, drives or []))
     if len(ranges) != len(drives or []):
         raise InputError("--drive: a channel is driven twice; name each once")
@@ -107,7 +106,7 @@ def inverse(
     ] = None,
     overrides: Overrides = None,
     output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="Result file; NAME_inverse.h5.")
+        Path | None, typer.Option("--output", "-o", help="Result file; NAME_inverse.h5 if absent.")
     ] = None,
     plots: Plots = None,
     no_plots: NoPlots = False,
@@ -117,7 +116,7 @@ def inverse(
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
-    """Find the forces that a prescribed motion needs; write result file and figures."""
+    """Compute the forces required for a prescribed motion; write a result file and figures."""
     loaded = read_scenario(scenario, overrides)
     result = output or Path(f"{scenario.stem}_inverse.h5")
     check_replacing(result, RUN, overwrite=overwrite, resume=resume)
@@ -162,15 +161,18 @@ def rig(
         ),
     ] = None,
     travel: Annotated[
-        str, typer.Option(help="Lifts the wheels while they are steered or loaded: '20 mm'.")
+        str,
+        typer.Option(help="Wheel travel while the wheels are steered or loaded, such as '20 mm'."),
     ] = "0 mm",
     steering: Annotated[
         str | None,
-        typer.Option(metavar="COORDINATE", help="What steers; the coordinate of a body 'rack'."),
+        typer.Option(
+            metavar="COORDINATE", help="Steering coordinate; that of a body 'rack' if absent."
+        ),
     ] = None,
     overrides: Overrides = None,
     output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="Result file; NAME_rig_TEST.h5.")
+        Path | None, typer.Option("--output", "-o", help="Result file; NAME_rig_TEST.h5 if absent.")
     ] = None,
     plots: Plots = None,
     no_plots: NoPlots = False,

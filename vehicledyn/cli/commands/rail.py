@@ -36,20 +36,20 @@ def profiles(
         str, typer.Option(help="Inclination of the rails such as 1:40; 0 if the file has it.")
     ] = "1:40",
     back_to_back: Annotated[
-        str, typer.Option("--back-to-back", help="Distance of the backs of the flanges.")
+        str, typer.Option("--back-to-back", help="Back-to-back distance of the wheels.")
     ] = "1360",
     flange_back: Annotated[
         str, typer.Option("--flange-back", help="Tape circle from the back of its flange.")
     ] = "70",
     radius: Annotated[str, typer.Option(help="Radius of the tape circles.")] = "460",
     right_radius: Annotated[
-        str | None, typer.Option("--right-radius", help="That of the right wheel, if another.")
+        str | None, typer.Option("--right-radius", help="Radius of the right wheel, if different.")
     ] = None,
     right_wheel: Annotated[
-        str | None, typer.Option("--right-wheel", help="Profile of the right wheel, if another.")
+        str | None, typer.Option("--right-wheel", help="Profile of the right wheel, if different.")
     ] = None,
     right_rail: Annotated[
-        str | None, typer.Option("--right-rail", help="Profile of the right rail, if another.")
+        str | None, typer.Option("--right-rail", help="Profile of the right rail, if different.")
     ] = None,
     gauge_depth: Annotated[
         str, typer.Option("--gauge-depth", help="Depth below the top at which gauge is measured.")
@@ -66,7 +66,7 @@ def profiles(
         str, typer.Option("--amplitude", help="Amplitudes of the conicity, FROM:TO:STEPS.")
     ] = "1:7:6",
     smoothing: Annotated[
-        str, typer.Option(help="Wavelength of which smoothing of files leaves half; 0 for none.")
+        str, typer.Option(help="Smoothing: wavelength whose amplitude is halved; 0 for none.")
     ] = "0",
     defects: Annotated[
         str, typer.Option(help="Outliers and gaps of files: refuse, mend or keep.")
@@ -78,12 +78,12 @@ def profiles(
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="Result file (HDF5) to write.")
     ] = None,
-    plots: Annotated[Path | None, typer.Option(help="Folder of the pictures.")] = None,
+    plots: Annotated[Path | None, typer.Option(help="Folder for the figures.")] = None,
     resume: Resume = False,
     overwrite: Overwrite = False,
     as_json: Json = False,
 ) -> None:
-    """Find contact points, rolling radii, angles and equivalent conicity of profiles.
+    """Compute contact points, rolling radii, contact angles and equivalent conicity.
 
     Lengths without a unit are millimetres.
     """

@@ -30,14 +30,14 @@ def report(
     output: Annotated[
         Path | None,
         typer.Option(
-            "--output", "-o", help="Page to write; NAME_report.html, or report.html in a folder."
+            "--output", "-o", help="Report to write; NAME_report.html, or report.html in a folder."
         ),
     ] = None,
     against: Annotated[
         Path | None, typer.Option(metavar="RESULT", help="Compare with this result.")
     ] = None,
     each: Annotated[
-        bool, typer.Option("--each", help="Of a folder: write a page of every result too.")
+        bool, typer.Option("--each", help="For a folder: also write a report of each result.")
     ] = False,
     validation: Annotated[
         bool,
@@ -48,7 +48,7 @@ def report(
     ] = False,
     quiet: Quiet = False,
 ) -> None:
-    """Write a page that shows a result, compares two, or lists a folder; print its name."""
+    """Write an HTML report of a result, of two compared, or of a folder; print its path."""
     if validation:
         if output is not None or against is not None or each:
             raise InputError("--validation goes with no other option but --quiet")

@@ -54,12 +54,12 @@ def sensitivity(
         Path | None,
         typer.Option("--output", "-o", help="File to write: a result (.h5), or JSON (others)."),
     ] = None,
-    plots: Annotated[Path | None, typer.Option(help="Folder for tornado and curves.")] = None,
+    plots: Annotated[Path | None, typer.Option(help="Folder for tornado plots and curves.")] = None,
     resume: Resume = False,
     overwrite: Overwrite = False,
     as_json: Json = False,
 ) -> None:
-    """Find exact derivatives of a run's channels and key figures by parameters, ranked."""
+    """Compute and rank exact derivatives of channels and key figures by parameters."""
     from vehicledyn.analyses.sensitivity.known_analyses import ANALYSES, analysis_of
     from vehicledyn.cli.commands.analyses import read_target
 

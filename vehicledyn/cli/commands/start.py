@@ -27,13 +27,13 @@ def add_verbs(app: typer.Typer) -> None:
 
 def init(
     folder: Annotated[
-        Path, typer.Argument(metavar="FOLDER", help="Where to write; made if it is missing.")
+        Path, typer.Argument(metavar="FOLDER", help="Folder to write to; created if missing.")
     ] = Path(),
     *,
-    kind: Annotated[Start, typer.Option(help="What to begin with.")] = Start.ROAD,
+    kind: Annotated[Start, typer.Option(help="What to start with.")] = Start.ROAD,
     quiet: Quiet = False,
 ) -> None:
-    """Write a model and a scenario to begin with, and schemas for editors; overwrite nothing."""
+    """Write a starter model and scenario, with schemas for editors; never overwrites."""
     import vehicledyn.catalogue  # noqa: F401
     from vehicledyn.analyses.models.start_files import write_start
 

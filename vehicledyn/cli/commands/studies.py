@@ -29,13 +29,13 @@ if TYPE_CHECKING:
 
 Output = Annotated[
     Path | None,
-    typer.Option("--output", "-o", help="Result file; the study's name with .h5 if absent."),
+    typer.Option("--output", "-o", help="Result file; STUDY.h5 if absent."),
 ]
 FoundSystem = Annotated[
     Path | None,
-    typer.Option(metavar="FILE.yaml", help="System file to write with the values found."),
+    typer.Option(metavar="FILE.yaml", help="System file to write with the resulting values."),
 ]
-Plots = Annotated[Path | None, typer.Option(help="Folder to draw figures into.")]
+Plots = Annotated[Path | None, typer.Option(help="Folder for the figures.")]
 
 
 def add_verbs(app: typer.Typer) -> None:
@@ -55,7 +55,7 @@ def optimise(
     overwrite: Overwrite = False,
     as_json: Json = False,
 ) -> None:
-    """Find the values of parameters that make figures of runs best, with exact gradients."""
+    """Optimise parameters of a model by exact gradients, with bounds and constraints."""
     files = _Files(study, output, plots, resume=resume, overwrite=overwrite)
     files.conduct(vehicledyn.optimise, OPTIMUM, overrides, as_json, system_file=system)
 
@@ -70,7 +70,7 @@ def optimise_manoeuvre(
     overwrite: Overwrite = False,
     as_json: Json = False,
 ) -> None:
-    """Find the controls over time that make a motion quickest or cheapest, by collocation."""
+    """Compute the controls that minimise the time or cost of a manoeuvre, by collocation."""
     files = _Files(study, output, plots, resume=resume, overwrite=overwrite)
     files.conduct(vehicledyn.optimise_manoeuvre, MANOEUVRE, overrides, as_json)
 
@@ -86,7 +86,7 @@ def identify(
     overwrite: Overwrite = False,
     as_json: Json = False,
 ) -> None:
-    """Find parameters and start values from measured signals, with their 95 % intervals."""
+    """Estimate parameters and initial values from measurements, with 95 % intervals."""
     files = _Files(study, output, plots, resume=resume, overwrite=overwrite)
     files.conduct(vehicledyn.identify_study, IDENTIFICATION, overrides, as_json, system_file=system)
 
@@ -101,7 +101,7 @@ def uncertainty(
     overwrite: Overwrite = False,
     as_json: Json = False,
 ) -> None:
-    """Find how figures scatter whose parameters have distributions."""
+    """Compute the scatter of key figures when parameters have distributions."""
     files = _Files(study, output, plots, resume=resume, overwrite=overwrite)
     files.conduct(vehicledyn.uncertainty_study, UNCERTAINTY, overrides, as_json)
 

@@ -41,19 +41,22 @@ def sweep(
     *,
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", help="Result file; the study's name with .h5 if absent."),
+        typer.Option("--output", "-o", help="Result file; STUDY.h5 if absent."),
     ] = None,
     overrides: Overrides = None,
     workers: Annotated[
         int | None,
         typer.Option(
-            min=1, max=4096, help="Processes, eight a core at most; one a core if absent."
+            min=1,
+            max=4096,
+            help="Number of processes, at most eight per core; one per core if absent.",
         ),
     ] = None,
     scheduler: Annotated[
         str | None,
         typer.Option(
-            metavar="ADDRESS", help="Use the workers of the Dask scheduler there, tls://HOST:PORT."
+            metavar="ADDRESS",
+            help="Address of a Dask scheduler whose workers are used: tls://HOST:PORT.",
         ),
     ] = None,
     tls: Annotated[
@@ -63,7 +66,7 @@ def sweep(
         ),
     ] = None,
     lanes: Annotated[
-        int | None, typer.Option(help="Cases side by side in each process: 1, 4 or 8.")
+        int | None, typer.Option(help="Cases computed together in each process (SIMD): 1, 4 or 8.")
     ] = None,
     resume: Resume = False,
     overwrite: Overwrite = False,
@@ -72,7 +75,7 @@ def sweep(
     quiet: Quiet = False,
     verbose: Verbose = False,
 ) -> None:
-    """Run all cases of a study on every core or on a cluster; write one result file."""
+    """Run all cases of a study on all cores or on a cluster; write one result file."""
     if lanes is not None and lanes not in LANES:
         raise InputError(f"--lanes {lanes}: choose 1, 4 or 8")
     if scheduler is not None and workers is not None:

@@ -26,15 +26,15 @@ def track(
     *,
     every: Annotated[
         str | None,
-        typer.Option(help='Distance of the lines such as "5 m"; about 25 lines if left out.'),
+        typer.Option(help='Spacing of the table rows such as "5 m"; about 25 rows if absent.'),
     ] = None,
     speed: Annotated[
-        str | None, typer.Option(help='Speed such as "80 km/h", to report what cant curves lack.')
+        str | None, typer.Option(help='Speed such as "80 km/h", to report cant deficiencies.')
     ] = None,
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="Table to write: CSV, or a result (.h5).")
     ] = None,
-    plots: Annotated[Path | None, typer.Option(help="Folder of the pictures.")] = None,
+    plots: Annotated[Path | None, typer.Option(help="Folder for the figures.")] = None,
     as_json: Json = False,
 ) -> None:
     """Show a railway track: plan, curvature, cant, gradient and irregularities of its rails."""

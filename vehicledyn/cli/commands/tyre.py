@@ -25,7 +25,7 @@ def tyre(
     ],
     *,
     compare: Annotated[
-        Path | None, typer.Option(help="Second tyre property file, drawn beside.")
+        Path | None, typer.Option(help="Second tyre property file to compare with.")
     ] = None,
     fit: Annotated[
         Path | None,
@@ -44,10 +44,10 @@ def tyre(
         Path | None,
         typer.Option("--output", "-o", help="Table (CSV, HDF5), or fitted tyre (.tir)."),
     ] = None,
-    plots: Annotated[Path | None, typer.Option(help="Folder of the pictures.")] = None,
+    plots: Annotated[Path | None, typer.Option(help="Folder for the figures.")] = None,
     as_json: Json = False,
 ) -> None:
-    """Show curves of a tyre, compare two, or fit a Magic Formula to measured forces."""
+    """Show the curves of a tyre, compare two tyres, or fit a Magic Formula to measurements."""
     loads = [_load(text) for text in load or []]
     if fit is not None:
         from vehicledyn.analyses.tyres.fit import fit_tyre
