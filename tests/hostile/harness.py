@@ -346,10 +346,11 @@ def _keeps_its_work(outcome, folder):
 
 
 def _leftovers(outcome, folder):
+    outputs = list(outcome.case.outputs)
+    if outcome.code == 1:  # a search that took all its runs may go on with more
+        outputs += [f"{output}.checkpoint" for output in outcome.case.outputs]
     for name in outcome.left:
-        if not any(
-            name == output or name.startswith(f"{output}/") for output in (outcome.case.outputs)
-        ):
+        if not any(name == output or name.startswith(f"{output}/") for output in outputs):
             yield f"leaves {re.sub('[0-9a-f]{6,}|_[a-z0-9_]{8}', '*', name)}"
         elif outcome.code == 2 and name.endswith(".h5"):
             yield from _taken_for_whole(folder / name)

@@ -134,6 +134,8 @@ VICTIMS = [
     Victim("cam", ["cam", "cam.yaml", "-o", "c.h5"], "c.h5"),
     Victim("drawn cam", ["cam", "cam.yaml", "--profile", "c.dxf"], "c.dxf"),
     Victim("identify", ["identify", "known.yaml", "-o", "i.h5"], "i.h5", ["--resume"]),
+    Victim("identify from figures", ["identify", "curves.yaml", "-o", "j.h5"], "j.h5",
+           ["--resume"]),
     Victim("uncertainty", ["uncertainty", "scatter.yaml", "-o", "u.h5"], "u.h5", ["--resume"]),
     Victim(
         "sensitivity",
@@ -181,6 +183,19 @@ VICTIMS = [
 ]  # fmt: skip
 
 
+CURVES = """\
+experiments:
+  shaker:
+    scenario: shaker.yaml
+    data: shaker.csv
+    figures:
+      gain(body.height, road.height): {over: f, column: gain, noise: 0.05}
+      max(strut.force): {value: 1.6 kN, noise: 100 N}
+parameters:
+  body.stiffness: {from: 5 kN/m, to: 60 kN/m}
+"""
+
+
 class Campaign:
     """Commands in folders of their own, killed after a part of the time that they take."""
 
@@ -195,6 +210,10 @@ class Campaign:
             "known.yaml": STUDIES["identify"]
             .replace("scenarios/systems/double_pendulum.yaml", "short.yaml")
             .replace("duration: 20 ms", "duration: 1 s"),
+            "curves.yaml": CURVES,
+            "shaker.yaml": "title: A quarter car\nmodel: quarter_car\nduration: 3 s\n"
+            "solver: {kind: rk4, step: 1 ms}\noutput: {interval: 10 ms}\n",
+            "shaker.csv": "f [Hz], gain [1]\n1, 1.8\n2, 1.0\n5, 0.2\n",
             "scatter.yaml": STUDIES["uncertainty"]
             .replace("scenarios/systems/double_pendulum.yaml", "short.yaml")
             .replace("duration: 20 ms", "duration: 2 s")
@@ -206,7 +225,8 @@ class Campaign:
             "long.yaml": SCENARIO.replace("3 s", "300 s"),
             "best.yaml": STUDIES["optimise"]
             .replace("scenarios/systems/double_pendulum.yaml", "short.yaml")
-            .replace("duration: 20 ms", "duration: 1 s"),
+            .replace("duration: 20 ms", "duration: 1 s")
+            .replace("most_runs: 4", "most_runs: 40"),
             "cam.yaml": CAM,
             "study.yaml": STUDY.replace("number: 24", "number: 100").replace("0.2 s", "2 s"),
         }

@@ -29,7 +29,8 @@ class Estimate:
     ``variance`` is that of the weighted residuals, one if the noise was as given; ``blind`` are
     combinations (k, n) of scaled parameters that the data cannot tell; ``whiteness`` is the
     largest autocorrelation of residuals in its own standard errors; ``n_runs`` counts evaluations,
-    ``failures`` are those that came to nothing; ``message`` says how the search ended.
+    ``failures`` are those that came to nothing; ``message`` says how the search ended, and
+    ``was_stopped`` whether that was by taking all runs that it may.
     """
 
     values: Floats
@@ -41,6 +42,7 @@ class Estimate:
     n_runs: int
     failures: tuple[str, ...] = ()
     message: str = "converged"
+    was_stopped: bool = False
 
 
 def estimate(
@@ -48,6 +50,7 @@ def estimate(
     *,
     start: Floats,
     bounds: tuple[Floats, Floats],
+    most_runs: int | None = None,
 ) -> Estimate:
     """Return the parameters of least weighted squares.
 
@@ -60,6 +63,8 @@ def estimate(
         Where to begin, shape (n,).
     bounds
         Lowest and highest values, shape (n,) each.
+    most_runs
+        Evaluations after which the best point so far is returned; None for a hundred a parameter.
 
     Raises
     ------
@@ -95,7 +100,10 @@ def estimate(
         xtol=1e-12,
         ftol=1e-12,
         gtol=1e-12,
+        max_nfev=most_runs,
     )
+    was_stopped = found.status == 0
+    message = f"stopped after {len(known)} runs, the most allowed" if was_stopped else found.message
     values = np.asarray(found.x, dtype=float)
     left, jacobian = at(values)
     scale = bounds[1] - bounds[0]
@@ -122,7 +130,8 @@ def estimate(
         _whiteness(left),
         len(known),
         tuple(failures),
-        "converged" if found.success else str(found.message),
+        "converged" if found.success else str(message),
+        was_stopped,
     )
 
 

@@ -146,4 +146,4 @@ def identify_study(
         write_identification(place.path, report.table)
         if model is not None and system_file is not None:
             write_found_system(system_file, model, report.as_dict()["set"])
-        return place.value(report)
+        return place.value(report, goes_on=report.found.was_stopped)

@@ -48,7 +48,8 @@ def optimise(
         ``variable_best`` over variable, ``figure_best`` and ``figure_slope`` there, and the runs:
         ``point``, ``objective``, ``violation``. Its status is "infeasible" where no point was found
         that keeps all constraints; ``status_message`` names those that are missed, and by how much.
-        It is "stopped" where the search took all runs that it may before it was at its end.
+        It is "stopped" where the search took all runs that it may before it was at its end; with
+        more of them (most_runs) and ``resume`` it goes on.
 
     Raises
     ------
@@ -72,4 +73,4 @@ def optimise(
         write_optimum(place.path, report.table)
         if model is not None and system_file is not None and not report.missed:
             write_found_system(system_file, model, report.as_dict()["set"])
-        return place.value(report)
+        return place.value(report, goes_on=report.was_stopped)

@@ -47,8 +47,10 @@ class ResultPlace:
     def __init__(self, folder: Path | None, path: Path, kept: KeptWork) -> None:
         self._folder, self.path, self.kept = folder, path, kept
 
-    def value(self, report: Report) -> LabelledData:
+    def value(self, report: Report, *, goes_on: bool = False) -> LabelledData:
         """Return what was written, with the warnings it holds issued.
+
+        ``goes_on`` says that the analysis may go on with what is kept, which stays.
 
         Raises
         ------
@@ -69,7 +71,8 @@ class ResultPlace:
         self._folder = None
         if data.status == "interrupted":
             raise Interrupted(data)
-        self.kept.finish()
+        if not goes_on:
+            self.kept.finish()
         _warn(data)
         return data
 

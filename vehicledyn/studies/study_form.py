@@ -53,6 +53,14 @@ class StudyForm:
         found: dict[str, Any] = self.document.data
         return found
 
+    def identity(self, *without: str) -> str:
+        """Return a text that is equal for equal content, some keys of the study aside.
+
+        Those are keys that no step of the computation depends on, so that it may go on with
+        another value of them.
+        """
+        return repr({key: item for key, item in self.data.items() if key not in without})
+
     def wrong(self, place: Place, words: str, *, at_key: bool = False) -> None:
         """Note a problem at a place."""
         self.mistakes.wrong(place, words, at_key=at_key)

@@ -1,12 +1,10 @@
 """Analyses that are stopped go on with what they kept, to the same result in every bit."""
 
-import h5py
-import numpy as np
 import pytest
+from going_on import arrays, stopped
 
 import vehicledyn as vd
 from vehicledyn.base.errors import Interrupted
-from vehicledyn.results.hdf5.checkpoint import Checkpoint
 
 RK4 = {"kind": "rk4", "step": "5 ms"}
 LONG = ("rig", "contacts", "inverse", "steady")
@@ -37,32 +35,6 @@ CASES = {
         vd.sensitivity, ["slider_crank", "inverse(crank.angle.work)"], {"duration": "90 ms"},
     ),
 }  # fmt: skip
-
-
-def stopped(monkeypatch, number):
-    """Stop like Ctrl-C before a step of this number is kept; return how many steps there were."""
-    steps, put = [], Checkpoint.put
-
-    def counted(self, key, data):
-        steps.append(key)
-        if len(steps) == number:
-            raise KeyboardInterrupt
-        put(self, key, data)
-
-    monkeypatch.setattr(Checkpoint, "put", counted)
-    return steps
-
-
-def arrays(path):
-    """Return the bytes of all numbers but checksums, which are of blocks as they came in time."""
-    with h5py.File(path) as file:
-        found = {}
-        file.visititems(lambda name, item: found.update({name: item}))
-        return {
-            name: item[()].tobytes()
-            for name, item in found.items()
-            if getattr(item, "dtype", np.dtype("O")).kind in "fic" and "checksums" not in name
-        }
 
 
 @pytest.mark.parametrize(

@@ -3,10 +3,11 @@
 import h5py
 import numpy as np
 import pytest
+from going_on import arrays, stopped
 
 import vehicledyn as vd
 import vehicledyn.catalogue  # the study is loaded behind the front door
-from vehicledyn.base.errors import InputError
+from vehicledyn.base.errors import InputError, Interrupted
 from vehicledyn.results.tables.identification_table import read_identification
 from vehicledyn.studies.identification.study import load_identification
 
@@ -192,6 +193,41 @@ def test_what_is_no_curve_is_refused_in_its_line(tmp_path, old, new, match):
     with pytest.raises(InputError, match=match) as refused:
         vd.identify_study(study(tmp_path, changed))
     assert "study.yaml:" in str(refused.value)
+
+
+RESUMED = """\
+experiments:
+  shaker:
+    scenario: run.yaml
+    data: shaker.csv
+    figures:
+      gain(body.height, road.height): {over: f, column: gain, noise: 0.05}
+      max(strut.force): {value: 1.6 kN, noise: 100 N}
+parameters:
+  body.stiffness: {from: 15 kN/m, to: 35 kN/m}
+"""
+
+
+@pytest.mark.long
+def test_a_stopped_identification_from_figures_goes_on_to_the_same_result(tmp_path, monkeypatch):
+    """Wherever it was stopped, also by taking all runs that it may; no run is made twice."""
+    (tmp_path / "shaker.csv").write_text("f [Hz], gain [1]\n1, 1.8\n2, 1.0\n", encoding="utf-8")
+    path, out = study(tmp_path, RESUMED + "most_runs: 2\n"), tmp_path / "o.h5"
+    steps = stopped(monkeypatch, 0)
+    with pytest.warns(vd.AccuracyWarning, match="most allowed; .* go on with resume"):
+        vd.identify_study(path, save_to=out)
+    path.write_text(RESUMED, encoding="utf-8")
+    vd.identify_study(path, save_to=out, resume=True)
+    whole, count = arrays(out), len(steps)
+    assert count == len(set(steps)) > 6
+    for number in (1, 3, count - 1):
+        out.unlink(missing_ok=True)
+        with monkeypatch.context() as patch, pytest.raises((KeyboardInterrupt, Interrupted)):
+            stopped(patch, number)
+            vd.identify_study(path, save_to=out)
+        assert not out.exists()
+        vd.identify_study(path, save_to=out, resume=True)
+        assert arrays(out) == whole
 
 
 STIFFNESS = {"body.stiffness": {"from": "5 kN/m", "to": "60 kN/m"}}

@@ -202,6 +202,22 @@ def test_a_failed_run_is_retreated_from():
     assert notes[4:] == ["2 further runs failed; all were retreated from"]
 
 
+@pytest.mark.long
+def test_a_search_that_took_all_its_runs_goes_on_with_more(tmp_path):
+    """To the result of a search that was allowed all of them at once, with none made twice."""
+    path, out = study(tmp_path, STUDY.replace("constraints:", "most_runs: 3\nconstraints:")), "o.h5"
+    with pytest.warns(vd.UnfinishedWarning, match="stopped after 3 runs"):
+        found = vd.optimise(path, save_to=tmp_path / out)
+    assert "go on with resume" in found.report.as_text()
+    study(tmp_path, STUDY)
+    found = vd.optimise(path, save_to=tmp_path / out, resume=True)
+    whole = vd.optimise(path)
+    assert found.report.n_known >= 3
+    assert {path.name for path in tmp_path.iterdir()} == {"run.yaml", "study.yaml", out}
+    for name in ("point", "objective", "figure_slope"):
+        assert found[name].values.tobytes() == whole[name].values.tobytes()
+
+
 def test_the_system_found_is_written_as_a_file(tmp_path):
     """It has the parameters found, and runs as the best run did, though its search was stopped."""
     path = study(tmp_path, STUDY.replace("constraints:", "most_runs: 3\nconstraints:"))

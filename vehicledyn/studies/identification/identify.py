@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.analyse.identify import Estimate, estimate
 from vehicledyn.analyses.preparation.prepared import Progress
+from vehicledyn.base.argument_names import argument
 from vehicledyn.base.step_memory import Memory, Shelf
 from vehicledyn.base.units import digits_of, shown
 from vehicledyn.files.scenario import LoadedScenario
@@ -141,6 +142,7 @@ def identify_from(
     runs: Memory | None = None,
     remarks: Sequence[str] = (),
     unknowns: Unknowns | None = None,
+    most_runs: int | None = None,
 ) -> IdentificationReport:
     """Return the parameters with which scenarios come closest to measurements of all experiments.
 
@@ -163,6 +165,8 @@ def identify_from(
         Notes on the measurements that the report repeats.
     unknowns
         The parameters as they were read, where all of it was checked.
+    most_runs
+        Runs of each experiment after which the search ends; None for a hundred a parameter.
 
     Raises
     ------
@@ -185,7 +189,8 @@ def identify_from(
         parts.append(unknowns.prior_residuals(point))
         return np.concatenate([part[0] for part in parts]), np.vstack([part[1] for part in parts])
 
-    found = estimate(residuals, start=unknowns.start, bounds=(unknowns.low, unknowns.high))
+    bounds = unknowns.low, unknowns.high
+    found = estimate(residuals, start=unknowns.start, bounds=bounds, most_runs=most_runs)
     others: dict[str, list[Floats]] = {}
     for item in fittings:
         if (name := item.experiment.name) in held_out:
@@ -285,7 +290,9 @@ def _notes(unknowns: Unknowns, found: Estimate, fittings: list[AnyFitting]) -> l
     names = unknowns.names
     notes = failure_notes(found.failures)
     if found.message != "converged":
-        notes.append(f"warning: the search has not converged: {found.message}")
+        more = f"; allow more (most_runs) and go on with {argument('resume')}"
+        words = f"{found.message}{more if found.was_stopped else ''}"
+        notes.append(f"warning: the search has not converged: {words}")
     for row in found.blind:
         parts = [f"{row[k]:+.2g} {names[k]}" for k in np.flatnonzero(np.abs(row) > 1e-3)]
         notes.append(f"the data cannot tell {' '.join(parts)}, each as a part of its range")

@@ -41,7 +41,7 @@ from vehicledyn.studies.study_form import StudyForm
 Floats = NDArray[np.float64]
 
 _REQUIRED = ("experiments", "parameters")
-_OPTIONAL = ("title", "hold_out")
+_OPTIONAL = ("title", "hold_out", "most_runs")
 _EXPERIMENT = ("scenario", "set", "data", "time", "time_unit", "signals", "figures")
 _SIGNAL = ("column", "unit", "noise", "lag", "low_pass", "order")
 
@@ -55,6 +55,7 @@ class IdentificationStudy:
     parameters: dict[str, Any]
     unknowns: Unknowns
     held_out: list[str]
+    most_runs: int | None
     notes: list[str]
     texts: list[str]
 
@@ -103,6 +104,7 @@ def run_identification_study(
             runs=runs,
             remarks=study.notes,
             unknowns=study.unknowns,
+            most_runs=study.most_runs,
         )
 
 
@@ -120,7 +122,10 @@ def load_identification(
     given = dict(form.entries(("experiments",), _EXPERIMENT, ("scenario",)))
     parameters = dict(form.entries(("parameters",), needed=("from", "to")))
     held_out = _held_out(form, given)
-    experiments, texts, notes = [], [form.document.text], list[str]()
+    most_runs = None
+    if "most_runs" in form.data:
+        most_runs = int(form.number("most_runs", 1, least=1, whole=True))
+    experiments, texts, notes = [], [form.identity("most_runs")], list[str]()
     known = []
     for name, item in given.items():
         where: Place = ("experiments", name)
@@ -153,7 +158,9 @@ def load_identification(
     form.refuse()
     assert unknowns is not None  # without any experiment the study was refused
     title = str(form.data.get("title", path.stem))
-    return IdentificationStudy(title, experiments, parameters, unknowns, held_out, notes, texts)
+    return IdentificationStudy(
+        title, experiments, parameters, unknowns, held_out, most_runs, notes, texts
+    )
 
 
 def _held_out(form: StudyForm, known: dict[str, Any]) -> list[str]:

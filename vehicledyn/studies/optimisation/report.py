@@ -45,6 +45,8 @@ class OptimumReport:
     missed: tuple[Missed, ...] = ()
     n_known: int = 0
     """Runs that were known from before, which the result does not depend on."""
+    was_stopped: bool = False
+    """Whether a search took all runs that it may, so that there is more to be found."""
 
     @property
     def messages(self) -> tuple[str, ...]:

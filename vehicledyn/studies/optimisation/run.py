@@ -17,6 +17,7 @@ from vehicledyn.analyse.objective import Values
 from vehicledyn.analyse.optimise import Optimum, optimise
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.analyses.preparation.target_digest import digests_to_keep
+from vehicledyn.base.argument_names import argument
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.base.step_memory import Memory
 from vehicledyn.base.units import shown
@@ -58,7 +59,8 @@ def run_optimisation(
     variants = study.choices or (("", study.scenarios),)
     loaded = [scenario for _, group in variants for scenario in group.values()]
     digests = digests_to_keep(kept, loaded)
-    runs = kept.memory("optimise", study.form.document.text, digests, asked_again=True)
+    asked = study.form.identity("most_runs")
+    runs = kept.memory("optimise", asked, digests, asked_again=True)
     found: list[tuple[str, OptimumReport]] = []
     notes = []
     for choice, scenarios in variants:
@@ -83,7 +85,7 @@ def run_optimisation(
     notes.append(f"best choice: {choice}")
     n_runs = sum(report.table.n_runs for _, report in found)
     table = replace(best.table, n_runs=n_runs, notes=(*notes, *best.table.notes))
-    return replace(best, table=table)
+    return replace(best, table=table, was_stopped=any(report.was_stopped for _, report in found))
 
 
 def _optimum(
@@ -113,12 +115,20 @@ def _optimum(
         table = replace(table, status="infeasible", message=f"{INFEASIBLE} ({words})")
         table = replace(table, notes=(*table.notes, _advice(study, problem, found)))
     elif found.was_stopped:
-        note = "the search is not at its end: allow it more runs (most_runs), or start where it is"
+        more = f"allow it more runs (most_runs) and go on with {argument('resume')}"
+        note = f"the search is not at its end: {more}, or start where it is"
         table = replace(table, status="stopped", notes=(*table.notes, note))
     rank = _rank(problem, found)
     multipliers = found.multipliers.tolist()
     return OptimumReport(
-        table, limits, multipliers, found.at_bound, rank, missed, n_known=problem.n_known
+        table,
+        limits,
+        multipliers,
+        found.at_bound,
+        rank,
+        missed,
+        n_known=problem.n_known,
+        was_stopped=found.was_stopped,
     )
 
 
@@ -160,7 +170,10 @@ def _advice(study: OptimisationStudy, problem: Problem, found: Optimum) -> str:
     """Return what to do where no point keeps all constraints."""
     steps = []
     if found.was_stopped:
-        steps.append(f"allow more than {study.most_runs} runs (most_runs)")
+        steps.append(
+            f"allow more than {study.most_runs} runs (most_runs) and go on with "
+            f"{argument('resume')}"
+        )
     steps.append("loosen what is missed, by that much or more")
     if found.at_bound:
         names = [f"'{problem.variables[k].name}'" for k in found.at_bound]
