@@ -93,7 +93,7 @@ def _column(key: str, place: Place, given: Any, *, counted: bool) -> Written:
             f"expected a list of values, or 'from', 'to' and 'count', found {describe(given)}"
         )
     if not given:
-        raise InputError("no values; a study without cases is none")
+        raise InputError("no values; a study needs at least one case")
     return Written(key, place, given, [(*place, k) for k in range(len(given))])
 
 
@@ -128,7 +128,7 @@ def _listed(cases: CaseList, path: Path, sources: Sources) -> tuple[list[Written
             return [], [p._replace(mark=p.mark) for p in problems]
     rows, place = cases.rows or [], ("cases", "rows")
     if not rows or not rows[0]:
-        return [], [sources.problem(place, "no rows; a study without cases is none")]
+        return [], [sources.problem(place, "no rows; a study needs at least one case")]
     keys, problems = list(rows[0]), []
     for number, row in enumerate(rows):
         if set(row) != set(keys):

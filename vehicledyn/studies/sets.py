@@ -52,7 +52,7 @@ class CaseList(StudyCases):
     )
     file: str | None = Field(
         default=None,
-        description="CSV file beside this one; its first line names the keys, each with its unit "
+        description="CSV file in this folder; its first line names the keys, each with its unit "
         "in square brackets if it is not SI",
     )
 
@@ -101,7 +101,7 @@ class Study(ParameterSet):
 
     title: str = Field(description="What is studied, in a sentence")
     description: str = Field(default="", description="More about the study, for people")
-    scenario: str = Field(description="Scenario file, beside this one")
+    scenario: str = Field(description="Scenario file, in the same folder")
     set: dict[str, Any] = Field(
         default_factory=dict, description="Changes of the scenario for all cases, by dotted keys"
     )

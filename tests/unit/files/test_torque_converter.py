@@ -95,7 +95,7 @@ def test_steady_points_are_those_of_the_closed_form(tmp_path):
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ("[0, 0.4, 0.8, 0.9, 1]", "[0, 0.4, 0.9, 0.8, 1]", "0.8 stands after 0.9"),
+        ("[0, 0.4, 0.8, 0.9, 1]", "[0, 0.4, 0.9, 0.8, 1]", "0.8 follows 0.9"),
         ("[0, 0.4, 0.8, 0.9, 1]", "[0, 0.4, 0.8, 0.9, 0.95]", "run from 0"),
         ("[2, 1.6, 1.1, 1, 1]", "[2, 1.6, 1.1, 1]", "5 speed ratios and 4 values of 'torque_ra"),
         ("[2, 1.6, 1.1, 1, 1]", "[2, 1.6, 1.3, 1, 1]", "efficiency of 1.04 at speed ratio 0.8"),

@@ -26,7 +26,7 @@ def test_what_is_chosen_for_a_model_changes_its_usual_run():
     [
         ("tyres.a=1", "unknown key; did you mean 'a4'"),
         ("wheel_spin=fre", "must be 'free' or 'prescribed', is 'fre'"),
-        ("parameters.tyres.a0=1", "'tyres' stands beside 'parameters': set tyres or tyres.KEY"),
+        ("parameters.tyres.a0=1", "'tyres' is outside 'parameters': set tyres or tyres.KEY"),
         ("parameters.chassis.mas=1 kg", "did you mean 'mass'"),
     ],
 )

@@ -128,7 +128,7 @@ def test_a_stopped_study_goes_on_to_the_same_result(folder, monkeypatch):
 @pytest.mark.parametrize(
     ("old", "new", "match"),
     [
-        ("first.csv", "none.csv", "'none.csv' beside the study: there is no such file"),
+        ("first.csv", "none.csv", "'none.csv' in the folder of the study: there is no such file"),
         ("column: height, noise: 1 mm}", "column: hight, noise: 1 mm}", "hight"),
         ("noise: 1 mm}", "noise: 1 kg}", "kg"),
         ("noise: 1 mm}", "noise: 0 mm}", "above zero"),

@@ -102,7 +102,7 @@ WRONG = {
     ),
     "twice": (
         lambda b: {"dofs": np.vstack([b.rows[:-1], b.rows[:1]])},
-        "dofs: direction 1 of node 1 stands twice",
+        "dofs: direction 1 of node 1 appears twice",
     ),
     "direction": (
         lambda b: {"dofs": b.rows + np.array([0, 1])},

@@ -126,7 +126,7 @@ def test_versions(write, fit, version):
         ({"model": "USE_MODE = 4"}, "FITTYP: missing"),
         ({"model": "FITTYP=61\nTYRESIDE='UP'"}, "TYRESIDE: no side named 'UP'"),
         ({"PKY1": None}, "PKY1: missing: Maximum value of stiffness"),
-        ({"pky1": -20}, "PKY1: stands twice; it was given in line 18"),
+        ({"pky1": -20}, "PKY1: appears twice; it was given in line 18"),
         ({"units": {"FORCE": "newtn"}}, "a.tir:3:1: [UNITS] FORCE: no unit of force named 'newtn'"),
         ({"units": {"FORCE": ""}}, "[UNITS]: missing: FORCE"),
         ({"FZMIN": 9e3, "FZMAX": 1e3}, "FZMIN: the range is turned round: FZMIN 9000, FZMAX 1000"),

@@ -140,7 +140,7 @@ class Study:
                 self._cycles()
                 self._simulations()
         except KeyboardInterrupt:
-            words = f"stopped by the user; what was found is kept, {argument('resume')} goes on"
+            words = f"stopped by the user; partial results are kept, {argument('resume')} continues"
             self._ended("interrupted", words)
         except NumericalError as error:
             if not self.balances:
@@ -305,7 +305,7 @@ class Study:
             self._ended("partial", f"{name}: {branch.reason}")
         if branch.ending == "points":
             self.messages.append(
-                f"{name}: {branch.reason}; it goes on: raise {argument('points')}, "
+                f"{name}: {branch.reason}; it continues: raise {argument('points')}, "
                 f"{budget.points} here (a "
                 f"cycle is expected to take {budget.each:.1g} s)"
             )

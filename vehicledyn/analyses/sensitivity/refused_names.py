@@ -9,8 +9,8 @@ from vehicledyn.base.errors import InputError
 
 _CALL = re.compile(r"(\w+)\(.*\)")
 
-_GEOMETRY = "it computes geometry of files, which stand in no equations"
-_STUDY = "a study is no function of one set of parameters"
+_GEOMETRY = "it computes the geometry of files, which are not part of the equations"
+_STUDY = "a study is not a function of one set of parameters"
 REASONS = {
     "handling": "its tests are simulated one by one; ask for steady(...) of steady cornering, yaw "
     "responses and limits, and for figures of the run of one test",

@@ -169,7 +169,7 @@ def _parsed(name: str) -> _Asked:
     match = _NAME.fullmatch(name)
     if match is None:
         raise InputError(
-            f"'{name}': write gain(OUTPUT, INPUT, 1.5 Hz), phase, real or imaginary alike, or "
+            f"'{name}': write gain(OUTPUT, INPUT, 1.5 Hz), likewise phase, real or imaginary, or "
             "peak_gain(OUTPUT, INPUT, 0.5 Hz:3 Hz)"
         )
     try:

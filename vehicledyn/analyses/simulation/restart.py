@@ -166,7 +166,7 @@ def _refuse_others(
     result: Result, loaded: LoadedScenario, prepared: Prepared, names: Sequence[str], digest: str
 ) -> None:
     path, e = result.path, prepared.equations
-    what = "cannot be gone on from"
+    what = "cannot be continued"
     differing = _differing(result.configuration, loaded.resolved)
     if differing:
         raise InputError(

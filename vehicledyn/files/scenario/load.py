@@ -359,7 +359,7 @@ def _motion_beside(scenario: Scenario, folder: Path) -> list[tuple[Place, str]]:
 
 def _check_top(document: Document) -> list[Problem]:
     if is_system(document.data):
-        words = "this is a system; name it in a scenario, 'model: {}', beside duration and solver"
+        words = "this is a system; name it in a scenario as 'model: {}', with duration and solver"
         return [Problem(document.name, START, "file", words.format(Path(document.name).name))]
     if isinstance(document.data, dict):
         return []

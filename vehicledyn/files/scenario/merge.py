@@ -126,7 +126,7 @@ def _choice_hint(place: Place) -> str:
     """Return where to set what is no parameter of the model but chosen for it, such as tyres."""
     if len(place) != 1 or place[0] not in Scenario.model_fields:
         return ""
-    return f"; '{place[0]}' stands beside 'parameters': set {place[0]} or {place[0]}.KEY"
+    return f"; '{place[0]}' is outside 'parameters': set {place[0]} or {place[0]}.KEY"
 
 
 def _same_kind(default: dict[str, Any], change: dict[str, Any]) -> bool:

@@ -309,8 +309,7 @@ def _status(path: Path, status: str, message: str) -> tuple[str, str]:
     if status != RUNNING or is_being_written(path.resolve()):
         return status, message
     words = (
-        f"the program was ended from outside; 'hunt {argument('resume')}' goes on with "
-        "the same options"
+        f"the program was terminated; 'hunt {argument('resume')}' continues with the same options"
     )
     return INTERRUPTED, "; ".join(filter(None, (message, words)))
 

@@ -40,7 +40,7 @@ class CourseTest(DrivingTest):
 
     driver: Driver = part("driver", "Who steers; of the kind 'preview'")
     steering_integral_gain: float = quantity(
-        "rad/(m*s)", "Growth of the front-wheel angle a metre beside the path", default=0.0, ge=0
+        "rad/(m*s)", "Growth of the front-wheel angle per metre off the path", default=0.0, ge=0
     )
     brake_gain: float = quantity(
         "N*s", "Brake torque of all wheels a speed above the target", default=0.0, ge=0
@@ -74,7 +74,7 @@ class CourseTest(DrivingTest):
         self._refuse_tight_corner(vehicle)
         table = vehicle.system.table
         settings: Any = table.add_set("driver", self.driver)
-        words = "Growth of the front-wheel angle a metre beside the path"
+        words = "Growth of the front-wheel angle per metre off the path"
         gain = table.add(
             f"{PREFIX}.steering_integral_gain", self.steering_integral_gain, "rad/(m*s)", words
         )

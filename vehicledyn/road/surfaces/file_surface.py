@@ -17,7 +17,7 @@ from vehicledyn.road.surfaces.surface import RoadSurface
 class FileSurface(RoadSurface):
     """Surface from a file beside the file that names it."""
 
-    file: str = Field(description="File of the ground, beside the file that names it")
+    file: str = Field(description="File of the ground, in the folder of the file that names it")
 
     def placed(self, folder: Path) -> Self:
         """Return the same ground, its file looked for in a folder."""

@@ -181,11 +181,11 @@ def _numbers(
         name = ALIASES.get(entry.name, entry.name)
         if entry.section in _HEADS:
             if name in known and entry.section == "MDI_HEADER":
-                words = f"stands in [{entry.section}]; it belongs in [{known[name].section}]"
+                words = f"is in [{entry.section}]; it belongs in [{known[name].section}]"
                 problems.append(_problem(source, entry, words))
             continue
         if name in lines:
-            words = f"stands twice; it was given in line {lines[name].line}"
+            words = f"appears twice; it was given in line {lines[name].line}"
             problems.append(_problem(source, entry, words))
             continue
         lines[name] = entry

@@ -47,7 +47,9 @@ class FileTyre(Tyre):
     versions: ClassVar[tuple[str, ...]] = ()
     """Versions of files that the law takes."""
 
-    file: str = Field(description="Tyre property file (.tir), beside the file that names it")
+    file: str = Field(
+        description="Tyre property file (.tir), in the folder of the file that names it"
+    )
     friction: float = quantity("1", "Factor of the friction, on λ_μx and λ_μy", default=1.0, gt=0)
     pressure: float | None = quantity(
         "Pa", "Inflation pressure, if not that of the file", default=None, gt=0

@@ -69,7 +69,7 @@ def chosen_unit(path: Path | str, column: DataColumn, given: object, key: str = 
         raise InputError(f"{path}: states no unit of '{column.name}'; give '{key}'", about=about)
     if given is None:
         if own is None:
-            words = f"of '{column.name}' is none that is known ({why}); give '{key}'"
+            words = f"of '{column.name}' is unknown ({why}); give '{key}'"
             raise InputError(f"{path}: the unit {words}", about=about)
         return str(stated)
     wanted, why = _parsed(str(given))

@@ -188,7 +188,7 @@ def _data(form: StudyForm, where: Place, item: dict[str, Any]) -> Path | None:
     try:
         check_regular(data)
     except UnreadableFileError as error:
-        form.wrong((*where, "data"), f"'{item['data']}' beside the study: {error.words}")
+        form.wrong((*where, "data"), f"'{item['data']}' in the folder of the study: {error.words}")
         return None
     return data
 

@@ -41,7 +41,7 @@ def second_order(
         words = [known.get(n, f"at node {n}") for n in (given.held, held)]
         raise InputError(
             f"reference: {model.source}: its geometric stiffness is that of the structure held "
-            f"{words[0]}, the body is held {words[1]}; compute it anew, or take this reference"
+            f"{words[0]}, the body is held {words[1]}; compute it again, or use this reference"
         )
 
     def of(load: str) -> Array:

@@ -130,7 +130,7 @@ class FiniteElements:
                 found.append(f"{words}; give as many rows as directions, or name these in 'dofs'")
         twice = sorted({int(n) for n in self.numbers if (self.numbers == n).sum() > 1})
         if twice:
-            found.append(f"nodes: {_listed(twice)} stands twice; give each node one number")
+            found.append(f"nodes: {_listed(twice)} appears twice; give each node one number")
         known = set(map(int, self.numbers))
         lost = [k for k, (n, _) in enumerate(self.rows) if int(n) not in known]
         if lost:
@@ -148,7 +148,7 @@ class FiniteElements:
         if len(self.row_of) < count:
             pairs = [(int(n), int(d)) for n, d in self.rows]
             k = next(k for k, pair in enumerate(pairs) if pair in pairs[:k])
-            found.append(f"dofs: direction {pairs[k][1]} of node {pairs[k][0]} stands twice")
+            found.append(f"dofs: direction {pairs[k][1]} of node {pairs[k][0]} appears twice")
         if not np.isfinite(self.places).all():
             bad = self.numbers[~np.isfinite(self.places).all(axis=1)]
             found.append(f"nodes: a coordinate of node {_listed(bad)} is no finite number")

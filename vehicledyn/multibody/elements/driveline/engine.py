@@ -55,7 +55,7 @@ class Engine(BasePart):
             raise InputError("the map holds a number that is not finite")
         for before, after in zip(self.speeds, self.speeds[1:], strict=False):
             if after <= before:
-                words = f"{after:g} rad/s stands after {before:g} rad/s"
+                words = f"{after:g} rad/s follows {before:g} rad/s"
                 raise InputError(f"the speeds of the map do not grow: {words}; sort its points")
 
     def loads(self, situation: Situation) -> Loads:

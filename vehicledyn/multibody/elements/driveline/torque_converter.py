@@ -86,7 +86,7 @@ class TorqueConverter(BasePart):
             raise InputError("the speed ratios must run from 0 (stall) to 1")
         for before, after in pairwise(ratios):
             if after <= before:
-                raise InputError(f"speed ratio {after:g} stands after {before:g}; sort the points")
+                raise InputError(f"speed ratio {after:g} follows {before:g}; sort the points")
 
     def _check_power(self) -> None:
         """Refuse an efficiency R ν above 1, also between the points, where it is a parabola."""

@@ -116,5 +116,5 @@ def _check_growing(name: str, values: Row, unit: str) -> None:
             raise InputError(f"{name}: the map holds {value:g} {unit}; 0 or more is due")
     for before, after in pairwise(values):
         if after <= before:
-            words = f"{after:g} {unit} stands after {before:g} {unit}"
+            words = f"{after:g} {unit} follows {before:g} {unit}"
             raise InputError(f"{name}: do not grow: {words}; sort the map")

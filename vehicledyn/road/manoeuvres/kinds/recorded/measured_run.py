@@ -51,7 +51,7 @@ class MeasuredRun(DrivingTest):
     last value are held. Further columns are passed over.
     """
 
-    file: str = Field(description="CSV file of the run, beside the scenario")
+    file: str = Field(description="CSV file of the run, in the scenario's folder")
     begin: float = quantity("s", "Time of the record at which the run begins", default=0.0)
     towing_gain: float | None = quantity(
         "N*s/m", "Towing force over the error of speed; none without", default=None, gt=0
