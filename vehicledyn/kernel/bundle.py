@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,6 +58,10 @@ class _Map(NamedTuple):
     added: Array
 
 
+_Rows: TypeAlias = tuple[Array, Array, Array, NDArray[np.int64]]
+"""Room for states, unknowns and tangents of samples, and for the number of steps taken."""
+
+
 class Bundle:
     """Directions carried side by side.
 
@@ -105,8 +109,10 @@ class Bundle:
 
     @cached_property
     def _live(self) -> _Directions:
-        """The directions that whole steps carry."""
-        return self._directions(self._to_rates.added, self._n_live)
+        """The directions that whole steps carry, which may be none."""
+        found = self._directions(self._to_rates.added, self._n_live)
+        found.n_live = found.n_live if self._n_live else 0
+        return found
 
     def _directions(self, added: Array, n_live: int) -> _Directions:
         lanes = self._code.lanes
@@ -136,41 +142,62 @@ class Bundle:
         ``times`` are the tangents of its begin and end [s].
         """
         self._enter_times(times)
-        status = self._steps(grid, way, moment, None, self._to_rates.directions)[0]
+        status = self._steps(grid, way, moment, self._row)
         self._code.check(status, moment.time)
 
     def march(
-        self, grid: StepRow, way: StepSpan, moment: MotionPoint, sides: Sides
+        self,
+        grid: StepRow,
+        way: StepSpan,
+        moment: MotionPoint,
+        sides: Sides,
+        branches: ctypes.Structure | None = None,
     ) -> tuple[Status, int, Samples]:
         """Take whole steps, moving the state and unknowns of a moment and the tangents.
 
         Returns how it ended, the number of steps taken, and the points at the ends of intervals. A
         step that fails, or in which an event fires, is not taken; ``sides`` (n_events,) are the
-        signs of the functions of events, as in :class:`vehicledyn.kernel.engine.March`.
+        signs of the functions of events, as in :class:`vehicledyn.kernel.engine.March`. Nor is one
+        in which one of ``branches`` changes that is not skipped, where they are given: see
+        :class:`vehicledyn.kernel.branch_watch.BranchWatch`.
         """
         zero = np.zeros(self.n_directions)
         self._enter_times((zero, zero))
         self._room.fill(0.0)
-        status, taken, samples = self._steps(grid, way, moment, sides, self._live)
-        return Status(status), taken, samples
+        per = grid.per_interval
+        rows = self._rows((way.first + way.n_steps) // per - way.first // per)
+        status = self._steps(grid, way, moment, rows, (sides, branches))
+        taken = int(rows[-1][0])
+        ends = np.arange(way.first // per, (way.first + taken) // per) + 1.0
+        times = np.asarray(grid.start + grid.interval * ends, dtype=float)
+        return Status(status), taken, Samples(times, *[item[: len(ends)] for item in rows[:-1]])
 
     def _enter_times(self, times: tuple[Vector, Vector]) -> None:
         for room, values in zip(self._at, times, strict=True):
             room.reshape(-1)[: self.n_directions] = values
+
+    def _rows(self, count: int) -> _Rows:
+        """Return room for so many samples, and for the number of steps taken."""
+        e, taken = self._code.equations, np.zeros(1, np.int64)
+        sizes = (count, len(e.states)), (count, len(e.unknowns))
+        states, unknowns = (np.empty(size) for size in sizes)
+        return states, unknowns, aligned((count, *self._x.shape)), taken
+
+    @cached_property
+    def _row(self) -> _Rows:
+        return self._rows(1)
 
     def _steps(
         self,
         grid: StepRow,
         way: StepSpan,
         moment: MotionPoint,
-        sides: Sides | None,
-        directions: _Directions,
-    ) -> tuple[int, int, Samples]:
-        per, (n_x, n_z) = grid.per_interval, (len(moment.state), len(moment.unknowns))
-        most = (way.first + way.n_steps) // per - way.first // per
-        states, unknowns = np.empty((most, n_x)), np.empty((most, n_z))
-        tangents, taken = aligned((most, *self._x.shape)), np.zeros(1, np.int64)
-        status = self._code.call(
+        rows: _Rows,
+        watched: tuple[Sides, ctypes.Structure | None] | None = None,
+    ) -> int:
+        """Take whole steps, if they are watched, or a part of one; return how that ended."""
+        directions = self._to_rates.directions if watched is None else self._live
+        return self._code.call(
             "vd_tangent_steps",
             steps_of(grid, way.span),
             way.first,
@@ -178,18 +205,11 @@ class Bundle:
             self._numbers.of(moment.constants),
             moment.state,
             moment.unknowns,
-            sides,
+            *(watched or (None, None)),
             self._to_rates.slopes.slopes,
             directions,
-            states,
-            unknowns,
-            tangents,
-            taken,
+            *rows,
         )
-        ends = np.arange(way.first // per, (way.first + int(taken[0])) // per) + 1.0
-        times, count = np.asarray(grid.start + grid.interval * ends, dtype=float), len(ends)
-        samples = Samples(times, states[:count], unknowns[:count], tangents[:count])
-        return status, int(taken[0]), samples
 
     def here(self, moment: MotionPoint, at: Vector | None = None) -> BundleResult:
         """Return what is found at a moment; ``at`` are the tangents of its time [s]."""

@@ -129,8 +129,9 @@ class CompiledEngine:
 
     def advance_part(self, march: March, part: Span, constants: Vector) -> Status:
         """Take a part of one step, moving state and unknowns but neither step nor sides."""
-        pointers = [array.ctypes.data for array in (constants, march.state, march.unknowns)]
-        pointers += [march.ledger.counts.ctypes.data, march.ledger.figures.ctypes.data]
+        ledger = (march.ledger.counts, march.ledger.figures)
+        arrays = (constants, march.state, march.unknowns, *ledger)
+        march.addresses = Addresses.of(arrays, march.addresses)
         return Status(
             self._library.vd_advance_part(
                 int(march.method),
@@ -139,7 +140,7 @@ class CompiledEngine:
                 march.per_interval,
                 march.start,
                 march.interval,
-                *pointers,
+                *march.addresses.numbers,
             )
         )
 

@@ -20,7 +20,7 @@ Span: TypeAlias = tuple[float, float]
 
 
 class Status(IntEnum):
-    """How a computation ended; the numbers are those of loop.c."""
+    """How a computation ended; the numbers are those of steps.c and passes.c."""
 
     SOLVED = 0
     NOT_CONVERGED = 1
@@ -29,6 +29,7 @@ class Status(IntEnum):
     INACCURATE = 4
     EVENT = 5
     WEAK = 6
+    CORNER = 7
 
 
 class Method(IntEnum):

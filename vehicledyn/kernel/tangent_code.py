@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.base.errors import MissingPartError, NumericalError
 from vehicledyn.codegen.ir.table_rows import TableRows
+from vehicledyn.codegen.passes.branch_functions import BranchFunctions
 from vehicledyn.codegen.passes.kernel_functions import derive_functions
 from vehicledyn.codegen.passes.linear_program import LinearProgram
 from vehicledyn.codegen.passes.stage_program import (
@@ -46,9 +47,10 @@ _SIGNATURES: dict[str, tuple[Any, Sequence[Any]]] = {
     "vd_plan": (_L, [_P] * 5),
     "vd_weigh_directions": (None, [_P] * 3),
     "vd_share": (None, [_L, _P, _P]),
-    "vd_tangent_steps": (_I, [_P, _L, _L, *[_P] * 10]),
+    "vd_tangent_steps": (_I, [_P, _L, _L, *[_P] * 11]),
     "vd_tangent_points": (_I, [_L, *[_P] * 10]),
 }
+_BRANCHES: dict[str, tuple[Any, Sequence[Any]]] = {"vd_branch_values": (None, [_L, *[_P] * 5])}
 _BACK: dict[str, tuple[Any, Sequence[Any]]] = {
     "vd_record": (_I, [_P, _L, _L, *[_P] * 6]),
     "vd_steps_back": (_I, [_P, _L, _L, *[_P] * 8]),
@@ -126,13 +128,20 @@ class TangentCode:
 
         def build(folder: Path) -> Path:
             text = tangent_source(
-                self.equations, self._functions, self.stage, self.observed, back=self.back
+                self.equations,
+                self._functions,
+                self.stage,
+                self.observed,
+                self.branches,
+                back=self.back,
             )
             return build_library(compiler, text, folder)
 
         def opened(path: Path) -> ctypes.CDLL:
             library = ctypes.CDLL(str(path))
-            for name, (result, arguments) in (_SIGNATURES | (_BACK if self.back else {})).items():
+            offered = _SIGNATURES | (_BACK if self.back else {})
+            offered |= _BRANCHES if self.branches.count else {}
+            for name, (result, arguments) in offered.items():
                 function = getattr(library, name)
                 function.restype, function.argtypes = result, arguments
             return library
@@ -163,6 +172,13 @@ class TangentCode:
         self._library.vd_prepare(given.ctypes.data, found.ctypes.data)
         return found
 
+    def shared_parameters(self, parameters: Vector) -> Array:
+        """Return parameters and rows of tables as all lanes have them."""
+        given = self._tables.after(np.ascontiguousarray(parameters, dtype=float))
+        found = aligned((len(given) + 1, self.lanes))
+        self.call("vd_share", len(given), given, found)
+        return found
+
     def constant_slopes(self, parameters: Vector) -> Any:
         """Return ∂c/∂p at some parameters, a sparse matrix (n_constants, n_parameters)."""
         from scipy.sparse import csc_matrix
@@ -183,6 +199,11 @@ class TangentCode:
         p = casadi.SX.sym("p", self._prepare.numel_in(0))
         slopes = ops.jacobian(inlined(self._prepare(p)), p)
         return casadi.Function("constant_slopes", [p], [slopes])
+
+    @cached_property
+    def branches(self) -> BranchFunctions:
+        """The functions that choose between branches of the equations."""
+        return BranchFunctions.of(self.equations)
 
     @cached_property
     def seen(self) -> LinearProgram:

@@ -11,6 +11,8 @@ from vehicledyn.analyse.gradients.corner_passages import CornerMissedError, corn
 from vehicledyn.analyse.gradients.curvature import CurvatureCode
 from vehicledyn.analyse.gradients.key_figures import figure_slope
 from vehicledyn.analyses.sensitivity.curvature import undivided
+from vehicledyn.codegen.passes.branch_functions import BranchFunctions
+from vehicledyn.kernel.branch_watch import BranchWatch
 from vehicledyn.kernel.engine import Method
 from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.kernel.tangent_code import StepRow, TangentCode
@@ -124,12 +126,13 @@ def test_tables_of_straight_lines_have_corners():
     exact = complex_steps(lambda *p: lined_to(0.08, *p), (0.8, 0.05, 1.5))
     assert motion.slopes[-1] == pytest.approx(exact, rel=1e-8)
     assert len(motion.corners) == 1
-    functions = CornerFunctions(equations)
+    functions = CornerFunctions(BranchFunctions.of(equations))
     assert list(functions.is_table) == [True]
-    places = functions.along(
-        np.zeros(3), np.array([[0.05, 0.0], [0.1, 0.0], [9.0, 0.0]]), np.zeros((3, 0)), np.ones(1)
-    )
-    assert places.ravel() == pytest.approx([1.5, 2.0, 4.0])
+    states = np.array([[0.05, 0.0], [0.1, 0.0], [9.0, 0.0]])
+    places = [functions.at(0.0, state, np.zeros(0), np.ones(1)) for state in states]
+    assert np.ravel(places) == pytest.approx([1.5, 2.0, 4.0])
+    watch = BranchWatch(TangentCode(equations, [0]), np.ones(1))
+    assert np.array_equal(watch.values(np.zeros(3), states, np.zeros((3, 0))), places)
     smooth = CurveTable.through("smooth", 0.0, 0.1, [0.0, 1.0, 0.0, 2.0])
     x = ops.symbol("x")
     equations = build(
@@ -140,7 +143,7 @@ def test_tables_of_straight_lines_have_corners():
         parameters=[],
         outputs=[],
     )
-    assert CornerFunctions(with_tables(equations)).count == 0
+    assert BranchFunctions.of(with_tables(equations)).count == 0
 
 
 def test_a_motion_that_is_smooth_across_a_corner_of_its_laws_is_not_divided():

@@ -88,7 +88,8 @@ class TangentCourse:
     def passes(self, piece: PartitionPiece, step: int, start: tuple[Vector, Vector]) -> bool:
         """Return whether a step from some point, with the first tangents, is one with corners."""
         self._begin(piece, step, start, self._first)
-        return self.corner_steps.ahead(self.march, 1) == 0 and self._over_corners()
+        self.corner_steps.watch.look(self.march, 1)
+        return self._over_corners()
 
     def expect(self, later: Sequence[PartitionPiece]) -> None:
         """Take notice of changes of the dependent coordinates.
@@ -121,7 +122,7 @@ class TangentCourse:
             march.sides.copy(),
             self.watch.memory,
             self.bundle.state.copy(),
-            self.corner_steps.memory,
+            self.corner_steps.watch.memory,
             self.watch.ended_by,
         )
 
@@ -129,7 +130,6 @@ class TangentCourse:
         """Return the samples of the next intervals, and where they end."""
         record = self.record = Recorder(self.record.n_channels, self.n)
         before = len(self.events), len(self.corners)
-        self.corner_steps.forget()
         if self.march.step == 0:
             self.sample()
         self.intervals(count)
@@ -166,7 +166,7 @@ class TangentCourse:
         for own, known in pairs:
             own[:] = known
         self.watch.recall(where.crossed)
-        self.corner_steps.recall(where.corners)
+        self.corner_steps.watch.recall(where.corners)
         self.watch.ended_by = where.ended_by
 
     def _change(self, piece: PartitionPiece) -> None:
@@ -218,30 +218,44 @@ class TangentCourse:
             if self._later and self._later[0][0] <= self.march.step:
                 self._change(self._later.pop(0)[1])
             ahead = self._later[0][0] - self.march.step if self._later else due
-            smooth = self.corner_steps.ahead(self.march, min(due, ahead))
-            self.left_whole |= self.corner_steps.left_whole
-            if not smooth and self._over_corners():
-                due -= 1
-                continue
-            way = StepSpan(self.march.step, max(smooth, 1))
-            before = self.march.state.copy(), self.march.unknowns.copy()
-            moment = MotionPoint(self.time, self.march.state, self.march.unknowns, self.constants)
-            status, taken, samples = self.bundle.march(self.grid, way, moment, self.march.sides)
-            if status not in (Status.SOLVED, Status.EVENT):
-                self._refuse(status, way, before)
-            self.march.step += taken
-            if len(samples.times):
-                self.record.looks.append(samples[:3])
-            found = self.bundle.found(samples, self.constants)
-            self.record.take(samples.times, found.values, found.value_slopes)
+            corners = self.corner_steps.watch
+            status, taken = self._march(corners.most(self.march, min(due, ahead)))
             due -= taken
+            if status is Status.CORNER:
+                divided = self._over_corners()
+                status, taken = (Status.SOLVED, 1) if divided else self._march(1, watched=False)
+                due -= taken
+                if status is Status.SOLVED:
+                    corners.passed(self._here(), self.march.step)
+            self.left_whole |= corners.left_whole
             if status is Status.EVENT:
                 self._step_with_events()
                 if self.watch.ended_by:
                     return
                 due -= 1
+                corners.enter(self._here())
                 if self.march.step % self.grid.per_interval == 0:
                     self.sample()
+
+    def _march(self, n_steps: int, *, watched: bool = True) -> tuple[Status, int]:
+        """Take whole steps; return how that ended, and how many were taken.
+
+        If ``watched``, up to one in which a law changes its branch.
+        """
+        way = StepSpan(self.march.step, n_steps)
+        before = self.march.state.copy(), self.march.unknowns.copy()
+        moment = MotionPoint(self.time, self.march.state, self.march.unknowns, self.constants)
+        corners = self.corner_steps.watch.structure if watched else None
+        given = self.grid, way, moment, self.march.sides, corners
+        status, taken, samples = self.bundle.march(*given)
+        if status not in (Status.SOLVED, Status.EVENT, Status.CORNER):
+            self._refuse(status, way, before)
+        self.march.step += taken
+        if len(samples.times):
+            self.record.looks.append(samples[:3])
+            found = self.bundle.found(samples, self.constants)
+            self.record.take(samples.times, found.values, found.value_slopes)
+        return status, taken
 
     def _over_corners(self) -> bool:
         """Take the step that is due, divided at corners of laws, if it has any that is felt."""
@@ -314,22 +328,28 @@ class TangentCourse:
         self._record(point, moved)
 
     def _trials(self, begin: float) -> Callable[[float], ConsistentPoint]:
+        part, here = replace(self.march), self._here()
+
         def trial(end: float) -> ConsistentPoint:
-            part = replace(self.march)
+            part.state[:], part.unknowns[:] = here.state, here.unknowns
             status = self.kernel.advance_part(part, (begin, end))
             if status is not Status.SOLVED:
                 moment = self.march.time(self.march.step, begin)
-                raise NumericalError(self.kernel.failure(status, moment, self.march.ledger))
-            step = self.march.step
-            moment = self.march.time(step, end) if end < 1.0 else self.march.time(step + 1)
-            return ConsistentPoint(moment, part.state, part.unknowns)
+                raise NumericalError(self.kernel.failure(status, moment, part.ledger))
+            return ConsistentPoint(self._time_at(end), part.state.copy(), part.unknowns.copy())
 
         return trial
 
-    def _part(self, span: tuple[float, float], times: tuple[Vector, Vector]) -> None:
+    def _time_at(self, fraction: float) -> float:
+        step = self.march.step
+        return self.march.time(step, fraction) if fraction < 1.0 else self.march.time(step + 1)
+
+    def _part(self, span: tuple[float, float], times: tuple[Vector, Vector]) -> ConsistentPoint:
+        """Take the tangents through a part of the step that is due; return where it ends."""
         state, unknowns = self.march.state.copy(), self.march.unknowns.copy()
         moment = MotionPoint(self.time, state, unknowns, self.constants)
         self.bundle.part(self.grid, StepSpan(self.march.step, 1, span), moment, times)
+        return ConsistentPoint(self._time_at(span[1]), state, unknowns)
 
     def _cross(
         self,

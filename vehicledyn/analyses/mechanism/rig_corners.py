@@ -11,6 +11,7 @@ from vehicledyn.analyse.gradients.corner_functions import CornerFunctions
 from vehicledyn.analyses.mechanism.rig_bench import Bench
 from vehicledyn.analyses.mechanism.rig_tests import RigTest
 from vehicledyn.base.errors import NumericalError
+from vehicledyn.codegen.passes.branch_functions import BranchFunctions
 
 Array = NDArray[np.float64]
 Find = Callable[[RigTest, float], Array]
@@ -67,7 +68,8 @@ class RigCorners:
     def __init__(self, bench: Bench) -> None:
         names = [c.name for c in bench.equations.channels]
         pads = [names.index(bench.pad(k)) for k in range(len(bench.corners))]
-        self._bench, self._functions = bench, CornerFunctions(bench.equations, pads)
+        functions = CornerFunctions(BranchFunctions.of(bench.equations, pads))
+        self._bench, self._functions = bench, functions
         self._designed = np.abs(self._decided()) if self._functions.count else np.zeros(0)
 
     def sides(self, test: RigTest, value: float, find: Find) -> Array:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyse.gradients.adjoint import FigureAdjoint
-from vehicledyn.analyse.gradients.corner_steps import has_corners
+from vehicledyn.analyse.gradients.corner_watch import has_corners
 from vehicledyn.analyse.gradients.equilibrium import BalancedStart, BalancedState, GivenSlopes
 from vehicledyn.analyse.gradients.key_figures import (
     FigureSlope,
@@ -254,7 +254,7 @@ class MotionStudy:
     def _plain(self) -> MotionSlopes:
         kernel, n_x = self.prepared.kernel, len(self.start.state)
         start, given = (self.start.state, self.start.unknowns), (self.grid, self.n_intervals)
-        if has_corners(kernel, self.grid):
+        if has_corners(self.code, self.grid):
             first, *later = self._parts()
             return self._without_slopes(first, later)
         course = self.changes()

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from vehicledyn.codegen.ir.table_rows import ROW
+from vehicledyn.codegen.passes.branch_functions import BranchFunctions
 from vehicledyn.codegen.passes.kernel_functions import KernelFunctions
 from vehicledyn.codegen.passes.slp_rows import PLACES
 from vehicledyn.codegen.passes.stage_program import PointProgram, StageProgram
@@ -38,6 +39,7 @@ def tangent_source(
     functions: KernelFunctions,
     stage: StageProgram,
     observed: PointProgram,
+    branches: BranchFunctions,
     *,
     back: bool = False,
 ) -> str:
@@ -58,8 +60,10 @@ def tangent_source(
         _apart(stage.function, "linearise", _WITH_ACCELERATIONS, equations),
         _apart(observed.function, "observe", _ARGUMENTS, equations),
         _by_state(equations, stage),
-        _following(equations, stage, observed, back=back),
+        _following(equations, stage, observed, branches, back=back),
     ]
+    if branches.count:
+        at_points.append(_apart(branches.function, "branches", _ARGUMENTS, equations))
     parts = at_points if comes_in_units(functions) else ["\n".join(at_points)]
     units = ["\n".join([*lane_head(tangent_lanes()), text]) for text in parts]
     return UNIT_BREAK.join([*units, "\n".join(motion), *wide_units(wide)])
@@ -94,7 +98,12 @@ def _by_state(equations: Equations, stage: StageProgram) -> str:
 
 
 def _following(
-    equations: Equations, stage: StageProgram, observed: PointProgram, *, back: bool
+    equations: Equations,
+    stage: StageProgram,
+    observed: PointProgram,
+    branches: BranchFunctions,
+    *,
+    back: bool,
 ) -> str:
     """Return the text that follows derivatives through a motion."""
     n_own, n_inverse = stage.function.numel_out(0), stage.function.numel_out(1)
@@ -110,6 +119,8 @@ def _following(
         "NI": n_inverse,
         "NO": observed.function.numel_out(0),
         "NBEFORE": stage.n_weights,
+        "NE": len(equations.events),
+        "NK": branches.count,
     }
     return "\n".join(
         [
@@ -119,6 +130,7 @@ def _following(
             listed("static const int", "accelerated", stage.accelerated),
             listed("static const int", "block_size", blocks),
             shared_source("passes.c"),
+            shared_source("branches.c"),
             shared_source("tangents_ahead.c"),
             *([shared_source("back.c")] if back else []),
         ]

@@ -180,7 +180,7 @@ static void find_slopes(const struct slopes *s, const real *w) {
   }
 }
 
-enum { VD_SINGULAR = 2 };
+enum { VD_SINGULAR = 2, VD_CORNER = 7 };
 int vd_inverse(int n, const double *jacobian, double *inverse);
 void vd_linearise_apart(const real *t, const real *x, const real *z, const real *a, const real *c,
                         real *w, real *jacobian);
@@ -193,13 +193,21 @@ struct points {
   real t, x[NX + 1], z[NZ + 1], a[NA + 1], jacobian[NI + 1];
 };
 
-static void gather(struct points *p, int count, const double *t, const double *x, const double *z,
-                   const double *a) {
+static void gather_places(struct points *p, int count, const double *t, const double *x,
+                          const double *z) {
   for (int lane = 0; lane < VD_LANES; lane++) {
     const int own = lane < count ? lane : count - 1;
     ((double *)&p->t)[lane] = t[own];
     for (int i = 0; i < NX; i++) ((double *)(p->x + i))[lane] = x[own * NX + i];
     for (int i = 0; i < NZ; i++) ((double *)(p->z + i))[lane] = z[own * NZ + i];
+  }
+}
+
+static void gather(struct points *p, int count, const double *t, const double *x, const double *z,
+                   const double *a) {
+  gather_places(p, count, t, x, z);
+  for (int lane = 0; lane < VD_LANES; lane++) {
+    const int own = lane < count ? lane : count - 1;
     for (int i = 0; i < NA; i++) ((double *)(p->a + i))[lane] = a[own * NA + i];
   }
 }

@@ -202,36 +202,74 @@ static int take_steps(const struct steps *way, long long step, int count, const 
   return count;
 }
 
-/* Take n_steps steps, or a part of one, unless one fails or an event fires in it. States, unknowns
-   and tangents at the ends of whole intervals are written to xs, zs and dxs, row after row; taken
-   is the number of steps. */
+#if NK
+/* Leave steps of a trail from the first with a corner on: go back to its begin, and return how many
+   are left. */
+static int leave_corner(struct branches *b, const struct steps *way, long long step, int count,
+                        const struct numbers *given, double *x, double *z, int *sides,
+                        const int *earlier, const struct trail *trail) {
+  double ends[VD_MOST];
+  int own = 0;
+  for (int k = 0; k < count; k++) ends[k] = time_of(step + k + 1, 0.0, way->start, way->interval, way->per);
+  while (own < count) {
+    const int some = count - own < VD_LANES ? count - own : VD_LANES;
+    gather_places(given->points, some, ends + own, trail->ends[own], trail->ends_z[own]);
+    const int taken = steps_to_corner(b, given->points, some);
+    own += taken;
+    if (taken < some) break;
+  }
+  if (own == count) return count;
+  memcpy(x, trail->x[own * stages_of(way)], NX * sizeof(double));
+  memcpy(z, trail->z[own * stages_of(way)], NZ * sizeof(double));
+  if (sides && NE) {
+    memcpy(sides, earlier, NE * sizeof(int));
+    for (int k = 0; k < own; k++)
+      vd_end_of_step(ends[k], trail->ends[k], trail->ends_z[k], given->c, sides, 0);
+  }
+  return own;
+}
+#endif
+
+/* Take n_steps steps, or a part of one, unless one fails, an event fires in it or, where branches
+   are given, one of these changes. States, unknowns and tangents at the ends of whole intervals are
+   written to xs, zs and dxs, row after row; taken is the number of steps. Without directions there
+   are no tangents. */
 VD_EXPORT int vd_tangent_steps(const struct steps *way, long long step, long long n_steps,
                                const struct numbers *given, double *x, double *z, int *sides,
-                               const struct slopes *s, const struct directions *d, double *xs,
-                               double *zs, real *dxs, long long *taken) {
+                               struct branches *b, const struct slopes *s,
+                               const struct directions *d, double *xs, double *zs, real *dxs,
+                               long long *taken) {
   const int stages = stages_of(way), each = VD_LANES / stages;
   const double h = step_of(way);
   const long long last = step + n_steps;
   struct trail trail;
+  int earlier[NE + 1];
   memset(trail.memory, 0, sizeof trail.memory);
   *taken = 0;
   for (int status = 0; step < last && !status;) {
     const long long most = VD_GROUPS * each, wanted = last - step < most ? last - step : most;
-    const int count =
-        take_steps(way, step, (int)wanted, given->c, x, z, sides, &trail, &status);
+    if (sides) memcpy(earlier, sides, NE * sizeof(int));
+    int count = take_steps(way, step, (int)wanted, given->c, x, z, sides, &trail, &status);
+#if NK
+    const int smooth =
+        b ? leave_corner(b, way, step, count, given, x, z, sides, earlier, &trail) : count;
+    if (smooth < count) count = smooth, status = VD_CORNER;
+#endif
     for (int first = 0; first < count; first += each) {
       const int some = count - first < each ? count - first : each, at = first * stages;
-      const int failed = weigh(given, some * stages, trail.t + at, &trail.x[0][0] + at * NX,
-                               &trail.z[0][0] + at * NZ, &trail.a[0][0] + at * NA);
-      if (failed) return failed;
-      find_slopes(s, given->w);
-      spread_moved(s, d->n, d->moved);
+      if (d->n_live) {
+        const int failed = weigh(given, some * stages, trail.t + at, &trail.x[0][0] + at * NX,
+                                 &trail.z[0][0] + at * NZ, &trail.a[0][0] + at * NA);
+        if (failed) return failed;
+        find_slopes(s, given->w);
+        spread_moved(s, d->n, d->moved);
+      }
       for (int k = first; k < first + some; k++, step++) {
         const double *rates = &trail.k[0][0] + k * stages * NX;
         const int lane = (k - first) * stages;
-        if (way->method == RK4)
+        if (d->n_live && way->method == RK4)
           tangents_rk4(s, given->w, d, lane, h, rates);
-        else
+        else if (d->n_live)
           tangents_symplectic(s, given->w, d, lane, h, rates, trail.ends[k]);
         if (way->to < 1.0 || (step + 1) % way->per) continue;
         memcpy(xs, trail.ends[k], NX * sizeof(double));
