@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import vehicledyn as vd
+from vehicledyn.analyses.sensitivity.subjects.cornering_figures import CorneringSlopes
 from vehicledyn.base.errors import InputError, NumericalError
 
 GRAVITY = 9.81
@@ -43,6 +44,19 @@ def test_a_car_on_linear_tyres_follows_the_single_track_model(tmp_path):
         ]
         assert angle / 0.1 == pytest.approx(exact, rel=0.01)
         assert gradient == pytest.approx(exact, rel=0.05)
+
+
+@pytest.mark.long
+def test_places_of_a_curve_are_found_in_one_go(monkeypatch):
+    """As a study names those of a measured curve one by one: about straight running once."""
+    count, about = [], CorneringSlopes.about
+    monkeypatch.setattr(CorneringSlopes, "about", lambda *a: count.append(a) or about(*a))
+    names = [f"steady(yaw_rate_gain, response, {f} Hz)" for f in (2, 1)]
+    names.insert(1, "steady(yaw_rate_phase, response, 1 Hz:2 Hz:1)")
+    found = vd.sensitivity("small_car", names, "body.mass")["figure_value"].values
+    assert len(count) == 2
+    assert found[0] < found[3]
+    assert found[2] < found[1] < 0.0
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,6 +49,30 @@ _FIGURES: dict[str, Callable[[TurnSlopes, Asked], Found]] = {
 }
 
 
+def _found(
+    slopes: TurnSlopes, asked: Sequence[Asked], progress: Progress
+) -> list[tuple[Quantity, Floats]]:
+    """Return what names ask for, in their order; places of one curve are found in one go."""
+    figures: dict[int, list[tuple[Quantity, Floats]]] = {}
+    curves: dict[object, list[int]] = {}
+    for k, item in enumerate(asked):
+        is_place = item.values and item.quantity != EIGENVALUES
+        curve = item.quantity, item.method, *item.given.items()
+        curves.setdefault(curve if is_place else k, []).append(k)
+    for numbers in curves.values():
+        first = asked[numbers[0]]
+        progress(f"differentiating {first.quantity}", None)
+        values = tuple(dict.fromkeys(value for k in numbers for value in asked[k].values))
+        find = turn_eigenvalue_figures if first.quantity == EIGENVALUES else _FIGURES[first.method]
+        found = list(find(slopes, replace(first, values=values)))
+        if len(numbers) == 1:
+            figures[numbers[0]] = found
+        else:
+            places = dict(zip(values, found, strict=True))
+            figures |= {k: [places[value] for value in asked[k].values] for k in numbers}
+    return [figure for k in range(len(asked)) for figure in figures[k]]
+
+
 def find_steady_sensitivity(
     target: Target, of: Sequence[str], to: Sequence[str], progress: Progress, *, memory: Memory
 ) -> SensitivityTable:
@@ -84,12 +109,7 @@ def find_steady_sensitivity(
     slopes = TurnSlopes(solver_for(car))
     parameters = [car.equations.parameters[k] for k in slopes.parameters]
     chosen = matching([p.name for p in parameters], to, car.equations.name)
-    figures: list[tuple[Quantity, Floats]] = []
-    for item in asked:
-        progress(f"differentiating {item.quantity}", None)
-        is_mode = item.quantity == EIGENVALUES
-        find = turn_eigenvalue_figures if is_mode else _FIGURES[item.method]
-        figures += list(find(slopes, item))
+    figures = _found(slopes, asked, progress)
     rows = np.array([row for _, row in figures])
     lost = ~np.isfinite(rows).all(axis=1)
     rows[lost, 1:] = np.nan
