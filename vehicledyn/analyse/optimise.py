@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.analyse.first_order_optimality import ACTIVE, stationarity
 from vehicledyn.analyse.interior_point import NonlinearProgram, Pattern, minimise
 from vehicledyn.analyse.objective import FigureValue, Values, parts_of
 from vehicledyn.analyse.trust_region.figure_models import EvaluatedPoint
@@ -22,9 +23,6 @@ from vehicledyn.analyse.variable_box import VariableBox
 from vehicledyn.base.errors import NumericalError
 
 Floats = NDArray[np.float64]
-
-_ACTIVE = 1e-5
-"""Distance of a constraint or bound to its limit, scaled, within which it is active."""
 
 _STATIONARY = 1e-5
 """Optimality below which a point is an optimum, however the search ended."""
@@ -50,7 +48,8 @@ class Optimum:
     the scaled gradient that no active constraint or bound takes, ``violation`` the largest scaled
     one; ``multipliers`` (m,) are zero where a constraint is not active; ``n_runs`` counts
     evaluations, ``failures`` those that came to nothing. ``message`` says how the search ended,
-    ``was_stopped`` that it was for want of runs, before it came to a stationary point.
+    ``was_stopped`` that it was for want of runs, before it came to a stationary point. ``size`` is
+    what one of the scaled objective is.
     """
 
     variables: Floats
@@ -64,11 +63,12 @@ class Optimum:
     message: str
     history: list[tuple[Floats, float, float]] = field(default_factory=list)
     was_stopped: bool = False
+    size: float = 1.0
 
     @property
     def is_feasible(self) -> bool:
         """Whether all constraints are kept."""
-        return self.violation <= _ACTIVE
+        return self.violation <= ACTIVE
 
 
 def optimise(
@@ -79,6 +79,7 @@ def optimise(
     tolerance: float,
     most_runs: int,
     method: str = "trust_region",
+    least_size: float = 0.0,
 ) -> Optimum:
     """Return where an objective is least within bounds and constraints.
 
@@ -101,6 +102,9 @@ def optimise(
         One of :data:`METHODS`: a trust region with models of all figures, which takes the fewest
         runs, or SLSQP, in whose place scipy's trust-region least squares seeks sums of squares
         without constraints, or IPOPT.
+    least_size
+        Size of the objective at least; at a start where it is near zero and stationary, nothing
+        else tells it.
 
     Raises
     ------
@@ -112,7 +116,7 @@ def optimise(
     Kraft (1988), A software package for sequential quadratic programming, DFVLR-FB 88-28.
     Branch, Coleman, Li (1999), SIAM Journal on Scientific Computing 21, 1-23, least squares.
     """
-    search = _Search(evaluate, bounds, most_runs)
+    search = _Search(evaluate, bounds, most_runs, least_size)
     scaled = search.box.shares(start)
     first = search.at(scaled)
 
@@ -228,13 +232,18 @@ class _Search:
     """Evaluations of a search, in variables between 0 and 1."""
 
     def __init__(
-        self, evaluate: Callable[[Floats], Values], bounds: tuple[Floats, Floats], most: int
+        self,
+        evaluate: Callable[[Floats], Values],
+        bounds: tuple[Floats, Floats],
+        most: int,
+        least_size: float,
     ) -> None:
         self._evaluate, self._most = evaluate, most
         self._is_approaching = False
         self.box = VariableBox(*bounds)
         self._known: dict[bytes, Values] = {}
         self._points: list[_Known] = []
+        self._least_size = least_size
         self.size, self.failures = 1.0, list[str]()
         self._lost: set[bytes] = set()
         self._scales = np.zeros(0)
@@ -276,7 +285,8 @@ class _Search:
             )
         scaled = self.box.by_shares(found, point)
         if not self._points:
-            self.size = max(abs(found.objective), float(np.max(np.abs(scaled.gradient)))) or 1.0
+            own = max(abs(found.objective), float(np.max(np.abs(scaled.gradient))))
+            self.size = max(own, self._least_size) or 1.0
             slopes = np.max(np.abs(scaled.jacobian), axis=1, initial=0.0)
             self._scales = np.maximum(np.abs(found.constraints), slopes)
             self._scales[self._scales == 0.0] = 1.0
@@ -339,7 +349,7 @@ class _Search:
     @property
     def is_feasible(self) -> bool:
         """Whether a known point keeps all constraints."""
-        return any(self._violation(item) <= _ACTIVE for item in self._points)
+        return any(self._violation(item) <= ACTIVE for item in self._points)
 
     @property
     def constraints(self) -> list[dict[str, object]]:
@@ -363,7 +373,7 @@ class _Search:
 
     def best(self, message: str, *, was_stopped: bool) -> Optimum:
         """Return the best point that keeps the constraints, with a price on what is let through."""
-        allowed = [item for item in self._points if self._violation(item) <= _ACTIVE]
+        allowed = [item for item in self._points if self._violation(item) <= ACTIVE]
         if allowed:
             best = min(allowed, key=lambda item: self._terms(item.scaled).merit(PENALTY))
         else:
@@ -383,21 +393,5 @@ class _Search:
             message or "converged",
             [(item.point, item.values.objective, self._violation(item)) for item in self._points],
             was_stopped,
+            self.size,
         )
-
-
-def stationarity(x: Floats, terms: ScaledTerms) -> tuple[float, Floats, list[int]]:
-    """Return what no active constraint takes of the gradient, multipliers, variables at bounds."""
-    from scipy.optimize import nnls
-
-    active = [k for k, value in enumerate(terms.constraints) if value <= _ACTIVE]
-    lower, upper = np.flatnonzero(x <= _ACTIVE), np.flatnonzero(x >= 1.0 - _ACTIVE)
-    unit = np.eye(len(x))
-    columns = np.vstack([terms.jacobian[active], unit[lower], -unit[upper]]).T
-    multipliers = np.zeros(len(terms.constraints))
-    if not columns.shape[1]:
-        return float(np.max(np.abs(terms.gradient))), multipliers, []
-    weights, _ = nnls(columns, terms.gradient)
-    multipliers[active] = weights[: len(active)]
-    left = float(np.max(np.abs(columns @ weights - terms.gradient)))
-    return left, multipliers, sorted({*map(int, lower), *map(int, upper)})

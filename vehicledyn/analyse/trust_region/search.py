@@ -28,6 +28,9 @@ _GOOD, _BAD = 0.7, 0.2
 _KEPT = 1e-6
 """Scaled violation up to which constraints are kept at the end."""
 
+_NEAR = 1e-5
+"""Scaled distance to its limit within which a constraint may count as active."""
+
 _STATIONARY = 1e-6
 """Optimality at which a search ends."""
 
@@ -121,7 +124,7 @@ def search(problem: Scaled, start: Floats, tolerance: float) -> str:
     state = _State(problem, [first], first)
     while True:
         is_kept = state.best[1].violation <= _KEPT
-        if is_kept and not problem.is_squares and state.optimality() <= _STATIONARY:
+        if is_kept and not problem.is_squares and state.is_stationary(tolerance):
             return ""
         if not state.go_on(tolerance):
             return "" if is_kept else VAGUE
@@ -144,6 +147,14 @@ class _State:
     def optimality(self) -> float:
         """Return what no active constraint or bound takes of the gradient at the best run."""
         return self.problem.optimality(self.best[0].point, self.best[1])
+
+    def is_stationary(self, tolerance: float) -> bool:
+        """Return whether active constraints take the gradient and leave no more to be gained."""
+        at = self.best[0].point, self.best[1]
+        slack = float(
+            np.max(self.best[1].constraints, initial=0.0, where=self.best[1].constraints <= _NEAR)
+        )
+        return self.optimality() <= _STATIONARY and self.problem.price(*at) * slack <= tolerance
 
     def go_on(self, tolerance: float) -> bool:
         """Take the run that promises most; return whether any promises enough."""
@@ -188,6 +199,8 @@ class _State:
     def _step(self, models: FigureModels, reach: float, enough: float) -> _Step:
         """Return the best point of models; a violation costs more from now on if it need not be."""
         run, terms = self.best
+        if terms.violation <= _KEPT:  # what led here may have asked for more than is needed now
+            self.penalty = max(PENALTY, 2.0 * self.problem.price(run.point, terms))
         known: dict[bytes, ScaledTerms] = {}
 
         def at(x: Floats) -> ScaledTerms:
@@ -204,7 +217,9 @@ class _State:
             self.penalty *= 10.0
             point = _least(at, kept, box, (1.0, self.penalty), enough)
         is_kept = at(point).violation <= _KEPT
-        needed = 2.0 * self.problem.price(point, at(point)) if is_kept else self.penalty
+        needed = self.penalty  # no multipliers of a step that it led to are larger
+        if is_kept:
+            needed = min(needed, 2.0 * self.problem.price(point, at(point)))
         self.price = max(needed, _CHEAPER * self.price, _LEAST_PRICE)
         return _Step(point, terms.merit(self.price) - at(point).merit(self.price), reach)
 

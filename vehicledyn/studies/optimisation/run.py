@@ -99,7 +99,8 @@ def _optimum(
     notes += problem.unconfirmed()
     found, others = _search_all(study, problem, progress)
     notes += others
-    front = _front(study, problem, found, progress)
+    front, others = _front(study, problem, found, progress)
+    notes += others
     last = problem.evaluate(found.variables)
     notes += [
         f"deviation of {name}: {shown(first.deviations[name], problem.units[name])} -> "
@@ -189,6 +190,8 @@ def _search(
     start: Floats,
     progress: Progress,
     further: Sequence[Limit] = (),
+    *,
+    least_size: float = 0.0,
 ) -> Optimum:
     """Return the optimum that a search from a start comes to."""
     count = itertools.count(1)
@@ -205,6 +208,7 @@ def _search(
         tolerance=study.tolerance,
         most_runs=study.most_runs,
         method=study.optimiser,
+        least_size=least_size,
     )
 
 
@@ -278,13 +282,22 @@ def _explored(study: OptimisationStudy, problem: Problem, progress: Progress) ->
 
 def _front(
     study: OptimisationStudy, problem: Problem, best: Optimum, progress: Progress
-) -> tuple[FrontPoint, ...]:
-    """Return the best objective for each limit of the second figure, each from the last one."""
+) -> tuple[tuple[FrontPoint, ...], list[str]]:
+    """Return the best objective for each limit of the second figure, each from the last one.
+
+    The objective keeps its size: at the optimum that the first one begins at it may be near zero.
+    With warnings of what is no compromise.
+    """
     if study.front is None:
-        return ()
-    rows, start = [], best.variables
+        return (), []
+    rows, notes, start = [], [], best.variables
     for value in study.front.values:
-        found = _search(study, problem, start, progress, (study.front.limit(value),))
+        limit = study.front.limit(value)
+        found = _search(study, problem, start, progress, (limit,), least_size=best.size)
+        notes += [
+            f"warning: the compromise with {study.front.figure} {value}: {words}"
+            for words in _doubts(found)
+        ]
         figures = problem.evaluate(found.variables).values
         start = found.variables
         rows.append(
@@ -297,7 +310,15 @@ def _front(
                 found.n_runs,
             )
         )
-    return tuple(rows)
+    return tuple(rows), notes
+
+
+def _doubts(found: Optimum) -> list[str]:
+    """Return why a point may be no optimum."""
+    if not found.is_feasible:
+        return ["no point was found that keeps it and all constraints"]
+    words = convergence_notes(found, was_stopped=False)
+    return [item.removeprefix("warning: ") for item in words]
 
 
 def _table(
