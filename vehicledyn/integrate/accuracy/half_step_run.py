@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from vehicledyn.base.errors import NumericalError
+from vehicledyn.integrate.accuracy.curves import curves_apart
 from vehicledyn.integrate.accuracy.monitored_run import KINETIC, MethodAndStep, MonitoredRun
 from vehicledyn.integrate.accuracy.windows import WindowStart, is_cheap, may_be_repeated, order_of
 from vehicledyn.integrate.channel_ranges import Ranges
@@ -38,6 +39,10 @@ _LOST = 0.3
 
 MOVED = 0.04
 """Error that a second look may find without a warning."""
+
+_ELSEWHERE = 0.1
+"""Distance of curves, in parts of their ranges, from which on they count: above what transients
+that fade leave, and far below that of a run that goes another way."""
 
 _DRIFTED = 0.1 * MOVED
 """Energy from nowhere that asks for a second look, as a part of what is exchanged: motions may
@@ -253,8 +258,9 @@ def apart(
     """Return the error of the worst key figure, or channel where no figure is of the motion.
 
     The balance of the energy counts as one, but stands for no motion: a large mass hides in it what
-    small ones do. Channels are measured by ``scales`` (n_channels,), by those of the run if there
-    are none.
+    small ones do. Curves that go another way count, too, where figures are their extremes, or none
+    is of the motion. Channels are measured by ``scales`` (n_channels,), by those of the run if
+    there are none.
     """
     make = watch.judged.figures
     samples = [again.samples for again in (own, other) if again.samples and not again.failure]
@@ -265,11 +271,31 @@ def apart(
         balances = [balance_of(watch, part) for part in samples]
     sizes = Sizes.of(watch.equations, watch.judged.channels, other.ranges)
     errors = figure_errors(figures[0], figures[1], sizes)
+    shown = {name.rpartition(".")[0] for name in errors} if errors else set(watch.names)
     found = [] if errors else [_ranges_apart(watch, own, other, scales)]
     if balances[0] is not None and balances[1] is not None:
         errors[ENERGY] = balances[0].distance(balances[1])
     found += [(error, f"'{name}'") for name, error in errors.items()]
-    return max(found, key=lambda one: one[0])
+    worst = max(found, key=lambda one: one[0])
+    if worst[0] > MOVED:
+        return worst
+    values = [part.values for part in samples]
+    return max(worst, _curves_elsewhere(watch, shown, values, scales), key=lambda one: one[0])
+
+
+def _curves_elsewhere(
+    watch: MonitoredRun, shown: set[str], values: list[Vector], scales: Vector | None
+) -> tuple[float, str]:
+    """Return the distance of the curves by name that lie farthest apart, none where it is small."""
+    columns = [k for k, name in enumerate(watch.names) if name in shown]
+    if not columns or values[0].shape != values[1].shape:
+        return 0.0, ""
+    span = watch.ranges.scales() if scales is None else scales
+    distance = curves_apart(*[part[:, columns] for part in values]) / span[columns]
+    worst = int(np.argmax(distance))
+    if not distance[worst] > _ELSEWHERE:
+        return 0.0, ""
+    return float(distance[worst]), f"'{watch.names[columns[worst]]}'"
 
 
 def energy_is_off(watch: MonitoredRun) -> bool:
