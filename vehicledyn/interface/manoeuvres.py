@@ -64,10 +64,11 @@ def optimise_manoeuvre(
         write_manoeuvre(place.path, report.table)
         if report.table.status != "ok":
             what = "the best motion found" if report.table.is_checked else "the last point"
+            hints = [f"\n{note}" for note in report.messages if note.startswith("warning: ")]
             where = "" if save_to is None else f"; '{save_to}' holds {what}"
             raise NumericalError(
                 f"{loaded.title}: no optimum was found: {report.table.message} (largest scaled "
                 f"violation {report.table.violation:.2g}){where}. Loosen limits, begin nearer by "
-                "duration.guess, or use more intervals"
+                f"duration.guess, or use more intervals{''.join(hints)}"
             )
         return place.value(report)

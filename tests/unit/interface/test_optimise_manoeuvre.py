@@ -12,6 +12,7 @@ from scipy.spatial import cKDTree
 import vehicledyn as vd
 from vehicledyn.analyse.optimal_control import solve
 from vehicledyn.base.errors import InputError, NumericalError
+from vehicledyn.road.surfaces.opencrg import OpenCrgRoad
 from vehicledyn.studies.manoeuvre_optimisation.file import load_manoeuvre
 
 CART = """\
@@ -311,6 +312,32 @@ intervals: 6
     assert left == pytest.approx(1.0, abs=1e-9)
     assert found["path_offset"].values[-1] == pytest.approx(left, abs=1e-6)
     assert found["path_distance"].values[-1] == pytest.approx(8.0, abs=1e-6)
+    at = list(found["state_value"].coords["state"]).index("mass.y")
+    assert found["state_value"].values[-1, at] == pytest.approx(left, abs=1e-6)
+
+
+@pytest.mark.parametrize("origin", ["reference_line", "file"])
+def test_an_opencrg_path_lies_where_the_road_of_the_scenario_lies(tmp_path, origin):
+    """Not with its first right corner at zero, as files without modifiers do."""
+    phi = np.linspace(0.3, 0.6, 20)
+    (tmp_path / "road.crg").write_bytes(crg(np.zeros((21, 5)), phi=np.append(phi, phi[-1])))
+    (tmp_path / "car.yaml").write_text(
+        f"title: A car\nmodel: small_car\nmanoeuvre: {{kind: straight}}\nspeed: 9 m/s\n"
+        f"duration: 1 s\nroad: {{kind: opencrg, file: road.crg, origin: {origin}}}\n"
+        "solver: {kind: rk4, step: 1 ms}\noutput: {interval: 10 ms}\n"
+    )
+    controls = "drive: {input: force:rear_left_wheel.spin, from: -1 N*m, to: 1 N*m}"
+    text = PUSH.replace("model: cart.yaml", "scenario: car.yaml").split("controls:")[0]
+    text += f"controls: {{{controls}}}\nminimise: time\nduration: {{from: 1 s, to: 3 s}}\n"
+    text += "end: {path.distance: end}\npath: {opencrg: road.crg, left: 0.4 m}\n"
+    loaded = load_manoeuvre(study(tmp_path, text))
+    road, track = OpenCrgRoad.read(tmp_path / "road.crg", origin, "linear").road, loaded.track
+    inside = (track.distance > 0.0) & (track.distance < track.length)
+    u, v = road.road_place(track.x[inside], track.y[inside])
+    assert np.abs(v).max() < 2e-3
+    assert u == pytest.approx(track.distance[inside], abs=2e-2)
+    assert (track.right.max(), track.left.max()) == (1.0, 0.4)
+    assert float(loaded.end["path.distance"].split()[0]) == track.length
 
 
 def test_long_paths_keep_their_bends(tmp_path):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -110,19 +111,20 @@ def load_manoeuvre(path: Path, overrides: Sequence[str] = ()) -> ManoeuvreStudy:
     if ("model" in data) == ("scenario" in data):
         form.wrong((), "give either a model or a scenario")
     form.refuse()
-    track = None if "path" not in data else read_path(form, data["path"])
+    target = _target(form, overrides)
+    track = None if "path" not in data else read_path(form, data["path"], target)
     form.refuse()
     return ManoeuvreStudy(
         path,
         form.document,
         str(data.get("title", path.stem)),
-        _target(form, overrides),
+        target,
         speed,
         controls,
         terms,
         data["duration"],
         _mapping(data, "start"),
-        _mapping(data, "end"),
+        _ends(form, track),
         _mapping(data, "limits"),
         track,
         _periodic(data.get("periodic")),
@@ -137,6 +139,18 @@ def load_manoeuvre(path: Path, overrides: Sequence[str] = ()) -> ManoeuvreStudy:
 
 def _mapping(data: dict[str, Any], key: str) -> dict[str, Any]:
     return dict(data.get(key) or {})
+
+
+def _ends(form: StudyForm, track: PathTable | None) -> dict[str, Any]:
+    """Return what holds at the end, with the distance to the end of the path or of a lap."""
+    ends, start = _mapping(form.data, "end"), _mapping(form.data, "start").get("path.distance", 0.0)
+    if track is not None and ends.get("path.distance") == "end":
+        begin = 0.0
+        if track.closed and not isinstance(start, dict) and start != "free":
+            with suppress(InputError):  # of what is told with the start
+                begin = to_si(start, "m")
+        ends["path.distance"] = f"{begin + track.length!r} m"
+    return ends
 
 
 def _target(form: StudyForm, overrides: Sequence[str]) -> Target:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.files.column_files import ColumnKind, read_columns
 from vehicledyn.base.units import to_si
+from vehicledyn.files.scenario.target import Target
 from vehicledyn.studies.study_form import StudyForm
 
 Floats = NDArray[np.float64]
@@ -43,6 +44,9 @@ BEYOND = 0.2
 _LONGEST = 1e7
 """Longest path of a study [m]."""
 
+_WIDE = 1e3
+"""Sides of a corridor that has none [m]."""
+
 
 @dataclass(frozen=True)
 class PathTable:
@@ -62,8 +66,11 @@ class PathTable:
     place: tuple[str, ...]
 
 
-def read_path(form: StudyForm, given: Any) -> PathTable | None:
-    """Return the path of a study; problems are noted in the form, and None returned."""
+def read_path(form: StudyForm, given: Any, target: Target) -> PathTable | None:
+    """Return the path of a study; problems are noted in the form, and None returned.
+
+    An OpenCRG road lies where the road of the scenario lies, if that is one too.
+    """
     if not form.check(("path",), given, _KEYS):
         return None
     found = [kind for kind in _KINDS if kind in given]
@@ -76,14 +83,14 @@ def read_path(form: StudyForm, given: Any) -> PathTable | None:
         form.wrong(("path", "place"), "expected the states x and y that follow the path")
         return None
     try:
-        line = _LINES[kind](form, given[kind], bool(given.get("closed", False)))
+        line = _LINES[kind](form, given[kind], bool(given.get("closed", False)), target)
         return _with_corridor(form, given, line, tuple(map(str, place)))
     except InputError as error:
         form.wrong(("path", kind), str(error))
         return None
 
 
-def _straight(form: StudyForm, given: Any, _: bool) -> Line:
+def _straight(form: StudyForm, given: Any, _: bool, __: Target) -> Line:
     _require(form, "straight", given, ("length",))
     length = to_si(given.get("length"), "m")
     if not 0.0 < length <= _LONGEST:
@@ -92,7 +99,7 @@ def _straight(form: StudyForm, given: Any, _: bool) -> Line:
     return s, s, np.zeros_like(s), np.array([length, 0.0]), np.zeros((0, 3))
 
 
-def _arc(form: StudyForm, given: Any, closed: bool) -> Line:
+def _arc(form: StudyForm, given: Any, closed: bool, _: Target) -> Line:
     _require(form, "arc", given, ("radius", "angle"))
     radius = to_si(given.get("radius"), "m")
     angle = 2.0 * np.pi if closed else to_si(given.get("angle"), "rad")
@@ -107,7 +114,7 @@ def _arc(form: StudyForm, given: Any, closed: bool) -> Line:
     return s, x, y, np.array([length, float(closed)]), np.zeros((0, 3))
 
 
-def _file(form: StudyForm, given: Any, closed: bool) -> Line:
+def _file(form: StudyForm, given: Any, closed: bool, _: Target) -> Line:
     path = form.path.parent / str(given)
     columns = read_columns(path, _COLUMNS)
     x, y = (np.array(columns.numbers[name]) for name in ("x", "y"))
@@ -115,11 +122,13 @@ def _file(form: StudyForm, given: Any, closed: bool) -> Line:
     return _through(path, x, y, sides, closed)
 
 
-def _opencrg(form: StudyForm, given: Any, closed: bool) -> Line:
-    from vehicledyn.road.opencrg.road import CrgRoad
+def _opencrg(form: StudyForm, given: Any, closed: bool, target: Target) -> Line:
+    from vehicledyn.road.surfaces.opencrg import OpenCrgRoad
 
     path = form.path.parent / str(given)
-    road = CrgRoad.read(path)
+    driven = None if target.choices is None else target.choices.road
+    origin = driven.origin if isinstance(driven, OpenCrgRoad) else "reference_line"
+    road = OpenCrgRoad.read(path, origin, "linear").road
     length = road.line.stop - road.line.start
     count = int(np.clip(length / _APART + 1, _ROWS, _MOST_ROWS))
     u = np.linspace(road.line.start, road.line.stop, count)
@@ -194,17 +203,20 @@ def _require(form: StudyForm, kind: str, given: Any, keys: tuple[str, ...]) -> N
 def _with_corridor(
     form: StudyForm, given: dict[str, Any], line: Line, place: tuple[str, ...]
 ) -> PathTable | None:
-    """Return a path with its corridor: of its file, of a width, or of gates."""
+    """Return a path with its corridor: of its file, of gates, and not wider than given sides."""
     from scipy.interpolate import PchipInterpolator
 
     s, x, y, about, own = line
     length, closed = float(about[0]), bool(about[1])
-    right, left = (to_si(given.get(key, 1e3), "m") for key in ("right", "left"))
+    right, left = (to_si(given[key], "m") if key in given else _WIDE for key in ("right", "left"))
     rows = np.where(np.isnan(own), np.array([0.0, -right, left]), own)
     if "gates" in given:
         rows = _gates(form, given["gates"], length)
     if not len(rows):
         rows = np.array([[0.0, -right, left], [length, -right, left]])
+    rows = np.column_stack(
+        [rows[:, 0], np.maximum(rows[:, 1], -right), np.minimum(rows[:, 2], left)]
+    )
     if not (rows[:, 1] < rows[:, 2]).all() or not np.isfinite(rows).all():
         form.wrong(("path",), "the corridor has no width: its right side is left of its left one")
         return None

@@ -32,6 +32,7 @@ from vehicledyn.base.units import shown
 from vehicledyn.results.hdf5.kept_work import KeptWork
 from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.results.tables.manoeuvre_table import ManoeuvreTable
+from vehicledyn.studies.manoeuvre_optimisation.advice import slip_advice
 from vehicledyn.studies.manoeuvre_optimisation.file import ManoeuvreStudy
 from vehicledyn.studies.manoeuvre_optimisation.guess import first_guess, state_scales
 from vehicledyn.studies.manoeuvre_optimisation.model import PreparedManoeuvre, prepare_manoeuvre
@@ -306,10 +307,11 @@ class _Search:
                 f"{100.0 * error:.2g} % of a state's range; refine the mesh, or the motion is "
                 "unstable without feedback"
             )
-        study = self.manoeuvre.study
+        study, shown_channels = self.manoeuvre.study, self._channels(trajectory)
         if solution.failure:
             error_now = self.mesh_errors[-1] if self.mesh_errors else np.nan
             self.mesh_errors.append(error_now)
+            notes += slip_advice(*shown_channels, study.limits)
         elif self.mesh_errors and self.mesh_errors[-1] > study.accuracy:
             notes.append(
                 f"warning: an interval misses its end by {self.mesh_errors[-1]:.2g} of a state's "
@@ -332,7 +334,7 @@ class _Search:
             errors,
             tuple(Quantity(c.name, c.unit, "Control") for c in problem.controls),
             self._controls(trajectory),
-            *self._channels(trajectory),
+            *shown_channels,
             self._path(trajectory),
             np.array(self.history).reshape(-1, 2),
             np.array(self.mesh_errors),
