@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any, NamedTuple, Protocol
@@ -17,7 +18,8 @@ from vehicledyn.analyses.sensitivity.driving_failures import driving_failure
 from vehicledyn.analyses.sensitivity.known_analyses import ANALYSES, RUN, analysis_of
 from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
 from vehicledyn.analyses.sensitivity.names import RequestedNames, directions, named_channels, wanted
-from vehicledyn.base.errors import InputError, NumericalError
+from vehicledyn.base.bounded_cache import BoundedCache
+from vehicledyn.base.errors import InputError, MissingPartError, NumericalError
 from vehicledyn.base.problems import Place
 from vehicledyn.base.step_memory import Memory
 from vehicledyn.files.scenario import LoadedScenario
@@ -28,6 +30,11 @@ from vehicledyn.studies.mistakes import Mistakes, silent
 from vehicledyn.studies.refused_values import written
 
 _LISTED = 4
+
+_FIRST: BoundedCache[tuple[int, str, tuple[str, ...]], tuple[LoadedScenario, SensitivityTable]]
+_FIRST = BoundedCache(16)
+"""What analyses found of scenarios as they are, which a check of a study and its start ask for;
+the scenario is kept, so that no other has its ``id``."""
 
 _MOST_SAMPLES = 50_000
 """Derivatives of the samples of a channel that are kept of a run."""
@@ -227,7 +234,10 @@ class AnalysisFigures:
         """
         if ANALYSES[analysis].subject == "file":
             raise InputError(f"'{asked[0]}' is of a file, not of a scenario")
-        first = _table(loaded, analysis, asked, ["parameters.*"], silent)
+        key = id(loaded), analysis, tuple(asked)
+        _, first = _FIRST.get(
+            key, lambda: (loaded, _table(loaded, analysis, asked, ["parameters.*"], silent))
+        )
         _places(asked, first)
         return cls(loaded, analysis, list(asked), first)
 
@@ -321,6 +331,28 @@ def figures_of(
                 mistakes.wrong(places[name], words, at_key=len(places[name]) > 1)
             if right := [name for name in own if name not in wrong]:
                 found.append(AnalysisFigures.of(loaded, kind, right))
+    return found
+
+
+def quick_figures(
+    mistakes: Mistakes,
+    loaded: LoadedScenario,
+    places: Mapping[str, Place],
+    progress: Progress,
+) -> list[ScenarioFigures]:
+    """Return figures of analyses other than the run that take no longer than a check of a study.
+
+    What is wrong with them is noted; an analysis that fails is left to the study to report. The
+    arguments are those of :func:`figures_of`.
+    """
+    found: list[ScenarioFigures] = []
+    kinds = dict.fromkeys(map(analysis_of, places))
+    for kind in kinds:
+        if kind == RUN or ANALYSES[kind].is_slow:
+            continue
+        own = {name: place for name, place in places.items() if analysis_of(name) == kind}
+        with suppress(NumericalError, MissingPartError):
+            found += figures_of(mistakes, loaded, own, progress)
     return found
 
 

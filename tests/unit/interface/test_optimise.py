@@ -1,9 +1,11 @@
 """Optimisation studies, from Python."""
 
 import json
+import re
 
 import numpy as np
 import pytest
+from programs import call
 
 import vehicledyn as vd
 from vehicledyn.analyse.objective import Values
@@ -383,6 +385,22 @@ def test_figures_of_analyses_are_checked(tmp_path, figure, match):
     )
     with pytest.raises(InputError, match=match):
         vd.optimise(path)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("verb", ["validate", "optimise"])
+def test_mistakes_in_figures_of_all_analyses_are_told_at_once(tmp_path, verb):
+    """In their lines, by the check of a study and by its start."""
+    text = RIG.replace("rig(wheel.toe_gain, parallel)", "rig(wheel.toe_gian, parallel)")
+    study(tmp_path, text + "  rms(wheel.q): {target: 1 m, size: 1 m}\n")
+    (tmp_path / "run.yaml").write_text(
+        SCENARIO.replace("quarter_car", "double_wishbone_suspension"), encoding="utf-8"
+    )
+    done = call(["vehicledyn", verb, "study.yaml"], tmp_path)
+    assert done.returncode == 2
+    for words in ("did you mean 'wheel.toe_gain'", "'rms(wheel.q)' is neither", "2 problems"):
+        assert words in done.stderr
+    assert len(re.findall(r"^study\.yaml:\d+:\d+: ", done.stderr, re.MULTILINE)) == 2
 
 
 @pytest.mark.long

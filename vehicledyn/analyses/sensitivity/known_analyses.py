@@ -30,13 +30,14 @@ class Analysis:
 
     ``owns`` says whether a name is that of one of its figures. ``has_speed`` says whether it
     takes a speed of its own, ``subject`` what it is of: a model or scenario, a scenario alone, or
-    a file of its own.
+    a file of its own; ``is_slow`` whether it takes longer than a check of names may.
     """
 
     owns: Callable[[str], bool]
     load: Callable[[], Loaded]
     has_speed: bool = False
     subject: Literal["target", "scenario", "file"] = "target"
+    is_slow: bool = False
 
 
 def _linear() -> Loaded:
@@ -115,7 +116,7 @@ RUN = "run"
 ANALYSES = {
     "linear": Analysis(figure_kinds.is_linear, _linear, has_speed=True),
     "response": Analysis(figure_kinds.is_response, _response, has_speed=True),
-    "cycle": Analysis(figure_kinds.is_cycle, _cycle, has_speed=True),
+    "cycle": Analysis(figure_kinds.is_cycle, _cycle, has_speed=True, is_slow=True),
     "kinematics": Analysis(_called("kinematics"), _kinematic),
     "inverse": Analysis(_called("inverse"), _inverse, subject="scenario"),
     "rig": Analysis(_called("rig"), _rig),

@@ -19,6 +19,7 @@ from vehicledyn.studies.known_names import KnownNames, Parameters, unknown_param
 from vehicledyn.studies.optimisation.scatter import Scatter
 from vehicledyn.studies.optimisation.study import OptimisationStudy
 from vehicledyn.studies.refused_values import refused_ends
+from vehicledyn.studies.scenario_figures import quick_figures
 
 Floats = NDArray[np.float64]
 
@@ -26,13 +27,18 @@ Floats = NDArray[np.float64]
 def note_mistakes(study: OptimisationStudy, progress: Progress) -> None:
     """Note names and numbers that mean nothing in the study's runs.
 
-    Figures of other analyses are known only when these are computed; a run that fails is left to
-    the study to report.
+    Figures of slow analyses are known only when these are computed; what fails is left to the
+    study to report.
     """
     form, places, units = study.form, study.places_of_figures(), dict[str, str]()
     for scenario, figures in study.figures_by_scenario().items():
         own = [name for name in figures if analysis_of(name) == RUN]
         place = ("scenarios", scenario) if scenario else ("scenarios",)
+        others = {name: places[figure] for name, figure in figures.items() if name not in own}
+        with suppress(NumericalError), form.mistakes.at(*place):
+            for found in quick_figures(form.mistakes, study.scenarios[scenario], others, progress):
+                check_numbers(study, found.parameters, found.model)
+                units |= {figures[n]: unit for n, unit in found.units.items() if unit is not None}
         with suppress(NumericalError), form.mistakes.at(*place):
             known = KnownNames.of(study.scenarios[scenario], progress) if own else None
             if known is None:

@@ -17,6 +17,7 @@ from vehicledyn.studies.distributions import read_law
 from vehicledyn.studies.known_names import KnownNames, Parameters, unknown_parameter
 from vehicledyn.studies.mistakes import Mistakes
 from vehicledyn.studies.refused_values import refused_ends
+from vehicledyn.studies.scenario_figures import quick_figures
 
 _WITHOUT_RISK = ("first_order", "second_order")
 
@@ -35,8 +36,8 @@ def note_mistakes(
 ) -> None:
     """Note names and numbers that mean nothing in the run.
 
-    Figures of other analyses are known only when these are computed; a run that fails is left to
-    the study to report.
+    Figures of slow analyses are known only when these are computed; what fails is left to the
+    study to report.
 
     Parameters
     ----------
@@ -48,6 +49,14 @@ def note_mistakes(
         Called with what is going on.
     """
     own = [name for name in of if analysis_of(name) == RUN]
+    places = places_of(mistakes, of)
+    if len({analysis_of(name) for name in of}) > 1:
+        mistakes.wrong(("of",), "name figures of one analysis, of the run or another one")
+    others = {name: place for name, place in places.items() if name not in own}
+    with suppress(NumericalError), mistakes.at("scenario"):
+        for found in quick_figures(mistakes, loaded, others, progress):
+            read_laws(mistakes, loaded, parameters, found.parameters, found.model)
+            check_limits(mistakes, limits, {**dict.fromkeys(of), **found.units})
     if own:
         with suppress(NumericalError), mistakes.at("scenario"):
             known = KnownNames.of(loaded, progress)
@@ -55,7 +64,7 @@ def note_mistakes(
             units: dict[str, str | None] = dict.fromkeys(of)
             check_limits(mistakes, limits, units | known.figure_units(own))
             for name, words in wrong_figures(loaded, own, progress).items():
-                mistakes.wrong(places_of(mistakes, of)[name], words)
+                mistakes.wrong(places[name], words)
 
 
 def places_of(mistakes: Mistakes, of: Sequence[str]) -> dict[str, Place]:
