@@ -14,7 +14,7 @@ def test_an_event_beside_the_worst_sample_is_named(monkeypatch, instant, named):
     """Differences of a channel are another ones from 0.4 s on, the worst there."""
     times = np.linspace(0.0, 1.0, 101)
     wrong = 1e-3 * np.where(times >= 0.4, 2.0 - times, 1.0)[:, None]
-    monkeypatch.setattr(confirmation, "_difference", lambda _s, _c, steps: steps[0] / 1e-3 * wrong)
+    monkeypatch.setattr(confirmation, "_difference", lambda _s, _c, by, _r: by[0] / 1e-3 * wrong)
     monkeypatch.setattr(confirmation, "_steps", lambda _: np.array([1e-3]))
     channel = SimpleNamespace(name="height")
     equations = SimpleNamespace(channels=[channel])
@@ -49,3 +49,27 @@ def test_a_jump_that_moves_between_samples_is_told(begin, told):
     notes = confirmation.unconfirmed_sums(study, chosen, here, [("max", 0), ("mean", 0)])
     assert bool(notes) is told
     assert not told or "'mean(rate)'" in notes[0]
+
+
+def test_curves_and_sums_are_confirmed_by_the_same_four_runs():
+    """Of 0.1 % and 0.05 % to both sides."""
+    times, made = np.linspace(0.0, 1.0, 11), []
+    channel = SimpleNamespace(name="height")
+
+    def moved(changes):
+        def plain(_):
+            made.append(changes["height"])
+            y = (changes["height"] * times)[:, None]
+            return MotionSlopes(times, y, y[:, :, None][:, :, :0], y[0], y[:0], [], "")
+
+        return SimpleNamespace(plain=plain)
+
+    prepared = SimpleNamespace(equations=SimpleNamespace(channels=[channel]))
+    study = SimpleNamespace(prepared=prepared, channels=[0], moved=moved)
+    chosen = SimpleNamespace(quantities=[channel], values=np.array([2.0]))
+    here = moved({"height": 2.0}).plain(None)
+    here.slopes = times[:, None, None]
+    made.clear()
+    asked = SimpleNamespace(curves=[], figures=[("mean", "height")], others=[])
+    assert confirmation.unconfirmed_of(study, chosen, here, asked) == []
+    assert sorted(made) == pytest.approx([1.998, 1.999, 2.001, 2.002])

@@ -8,6 +8,7 @@ not those of the motion. Differences of runs are, as far as they are smooth.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,8 @@ from vehicledyn.analyses.sensitivity.names import START, Directions, RequestedNa
 from vehicledyn.base.errors import NumericalError
 
 Floats = NDArray[np.float64]
+Runs: TypeAlias = dict[bytes, MotionSlopes]
+"""Runs by the bytes of what their parameters are changed by."""
 
 _PART = 1e-3
 """Part of each parameter by which the runs differ."""
@@ -37,7 +40,11 @@ _LEAST = 1e-11
 
 
 def unconfirmed(
-    study: MotionStudy, chosen: Directions, motion: MotionSlopes, channels: Sequence[int]
+    study: MotionStudy,
+    chosen: Directions,
+    motion: MotionSlopes,
+    channels: Sequence[int],
+    runs: Runs | None = None,
 ) -> list[str]:
     """Return warnings of channels whose derivatives differences of runs do not confirm.
 
@@ -53,12 +60,15 @@ def unconfirmed(
         The motion with its derivatives.
     channels
         Places among the study's channels that are to be judged.
+    runs
+        Those with other parameters that are known; further ones are added.
     """
+    runs = {} if runs is None else runs
     steps = _steps(chosen)
     if not any(steps):
         return []
     try:
-        differences = [_difference(study, chosen, part * steps) for part in (1.0, 0.5)]
+        differences = [_difference(study, chosen, part * steps, runs) for part in (1.0, 0.5)]
     except NumericalError as error:
         return [f"warning: runs with parameters changed by 0.1 % fail: {error}"]
     if any(item.shape != motion.values.shape for item in differences):
@@ -99,7 +109,7 @@ def unconfirmed_figure(
         Its derivatives, shape (n_directions,).
     """
     try:
-        missed = _missed(study, chosen, [(kind, 0)], slope[None])
+        missed = _missed(study, chosen, [(kind, 0)], slope[None], {})
     except NumericalError as error:
         return [f"warning: runs with parameters changed by 0.1 % fail: {error}"]
     if not missed:
@@ -126,13 +136,14 @@ def unconfirmed_of(
     places = {e.channels[k].name: place for place, k in enumerate(study.channels)}
     names = [*asked.curves, *(name for _, name in asked.figures)]
     judged = range(len(places)) if asked.others else [places[n] for n in dict.fromkeys(names)]
-    notes = unconfirmed(study, chosen, motion, judged)
+    runs: Runs = {}
+    notes = unconfirmed(study, chosen, motion, judged, runs)
     figures = [
         (kind, places[name])
         for kind, name in asked.figures
         if not any(f"'{name}'" in note for note in notes)
     ]
-    return [*notes, *unconfirmed_sums(study, chosen, motion, figures)]
+    return [*notes, *unconfirmed_sums(study, chosen, motion, figures, runs)]
 
 
 def unconfirmed_sums(
@@ -140,6 +151,7 @@ def unconfirmed_sums(
     chosen: Directions,
     motion: MotionSlopes,
     figures: Sequence[tuple[str, int]],
+    runs: Runs | None = None,
 ) -> list[str]:
     """Return warnings of sums over samples that differences of runs do not confirm.
 
@@ -152,12 +164,14 @@ def unconfirmed_sums(
         As for :func:`unconfirmed`.
     figures
         Kinds and places among the study's channels; others than sums are passed over.
+    runs
+        As for :func:`unconfirmed`.
     """
     sums = [(kind, place) for kind, place in figures if kind in _SUMS]
     names = [study.prepared.equations.channels[k].name for k in study.channels]
     slopes = [_slope(motion, kind, place) for kind, place in sums]
     try:
-        missed = _missed(study, chosen, sums, np.array(slopes))
+        missed = _missed(study, chosen, sums, np.array(slopes), {} if runs is None else runs)
     except NumericalError:  # reported with the curves
         return []
     return [
@@ -176,7 +190,11 @@ def _slope(motion: MotionSlopes, kind: str, place: int) -> Floats:
 
 
 def _missed(
-    study: MotionStudy, chosen: Directions, figures: Sequence[tuple[str, int]], slopes: Floats
+    study: MotionStudy,
+    chosen: Directions,
+    figures: Sequence[tuple[str, int]],
+    slopes: Floats,
+    runs: Runs,
 ) -> dict[int, float]:
     """Return which figures differences of runs do not confirm, and by which part.
 
@@ -190,7 +208,7 @@ def _missed(
         return {}
     ends = []
     for part in (1.0, -1.0, 0.5, -0.5):
-        motion = study.moved(_changes(chosen, part * steps)).plain(lambda *_: None)
+        motion = _run(study, chosen, part * steps, runs)
         none = np.zeros((len(motion.times), 0))
         columns = motion.values.T
         ends.append([figure_slope(k, motion.times, columns[c], none).value for k, c in figures])
@@ -220,15 +238,20 @@ def _steps(chosen: Directions) -> Floats:
     return np.asarray(_PART * signs * chosen.values * moves, dtype=float)
 
 
-def _difference(study: MotionStudy, chosen: Directions, steps: Floats) -> Floats:
+def _difference(study: MotionStudy, chosen: Directions, steps: Floats, runs: Runs) -> Floats:
     """Return half the difference of runs to both sides, shape (n_times, n_channels)."""
-    sides = []
-    for sign in (1.0, -1.0):
-        moved = study.moved(_changes(chosen, sign * steps))
-        sides.append(moved.plain(lambda *_: None).values)
+    sides = [_run(study, chosen, sign * steps, runs).values for sign in (1.0, -1.0)]
     if sides[0].shape != sides[1].shape:
         return np.zeros((0, 0))
     return np.asarray(0.5 * (sides[0] - sides[1]), dtype=float)
+
+
+def _run(study: MotionStudy, chosen: Directions, steps: Floats, runs: Runs) -> MotionSlopes:
+    """Return the run with parameters changed by steps, of those known if it is among them."""
+    key = steps.tobytes()
+    if key not in runs:
+        runs[key] = study.moved(_changes(chosen, steps)).plain(lambda *_: None)
+    return runs[key]
 
 
 def _changes(chosen: Directions, steps: Floats) -> dict[str, float]:
