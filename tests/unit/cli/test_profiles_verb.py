@@ -205,7 +205,7 @@ def test_help_is_light():
         [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False
     )
     assert done.returncode == 0, done.stderr
-    assert "Find contact points" in done.stdout
+    assert "Compute contact points" in done.stdout
 
 
 @pytest.mark.long

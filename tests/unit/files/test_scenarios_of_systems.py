@@ -178,8 +178,8 @@ def test_modes_of_a_system_tell_no_speed(write):
 def test_a_system_in_place_of_a_scenario_says_what_to_write(write):
     told = refusal(write().parent / "sub" / "system.yaml")
     assert told == [
-        "system.yaml:1:1: file: this is a system; name it in a scenario, 'model: system.yaml', "
-        "beside duration and solver",
+        "system.yaml:1:1: file: this is a system; name it in a scenario as 'model: system.yaml', "
+        "with duration and solver",
         "1 problem in system.yaml",
     ]
 

@@ -80,9 +80,12 @@ def test_rows_and_a_table_give_the_same_cases(tmp_path):
                 "2 problems in study.yaml",
             ],
         ),
-        ("  kind: grid\n  vary: {parameters.mass: []}\n", ["no values; a study without cases"]),
+        (
+            "  kind: grid\n  vary: {parameters.mass: []}\n",
+            ["no values; a study needs at least one case"],
+        ),
         ("  kind: grid\n  vary: {}\n", ["nothing varies"]),
-        ("  kind: list\n  rows: []\n", ["no rows; a study without cases"]),
+        ("  kind: list\n  rows: []\n", ["no rows; a study needs at least one case"]),
         ("  kind: list\n", ["either 'rows' or 'file'"]),
         ("  kind: list\n  file: none.csv\n", ["none.csv: there is no such file"]),
         (
