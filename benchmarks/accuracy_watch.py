@@ -34,7 +34,7 @@ from vehicledyn.base.errors import NumericalError
 from vehicledyn.base.registry import find
 from vehicledyn.files.scenario import load_scenario
 from vehicledyn.integrate.channel_ranges import Ranges
-from vehicledyn.integrate.judged_quantities import Sizes, figure_errors
+from vehicledyn.integrate.judged_quantities import FigureSizes, figure_errors
 
 SCENARIOS = Path(__file__).resolve().parents[1] / "scenarios"
 NAMES = (
@@ -187,7 +187,7 @@ def truth(name, interval):
         outcome, figures, ranges, balance = record(
             name, find("solver", kind)(step=step, **more), interval
         )
-        found.append((figures, Sizes.of(made.equations, channels, ranges), balance))
+        found.append((figures, FigureSizes.of(made.equations, channels, ranges), balance))
     errors = figure_errors(found[0][0], *found[1][:2])
     settled = not isinstance(outcome, str) and max(errors.values(), default=0.0) < 0.5 * GOOD
     return found[1] if settled and outcome.ended_by is None and errors else None

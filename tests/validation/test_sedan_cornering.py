@@ -9,7 +9,7 @@ from vehicledyn.analyses.handling.cornering_modes import CorneringModes
 from vehicledyn.analyses.handling.steady_turn import SteadyTurn, solver_for
 from vehicledyn.analyses.handling.test_run import drive
 from vehicledyn.analyses.handling.tested_car import CONTROL, TestedCar
-from vehicledyn.analyses.handling.turn_equations import Turn
+from vehicledyn.analyses.handling.turn_equations import TurnDemand
 from vehicledyn.interface.targets import read_target
 from vehicledyn.road.manoeuvres import frequency_test
 from vehicledyn.road.manoeuvres.driving_test import DrivingTest
@@ -102,7 +102,7 @@ def test_the_sedan_is_the_single_track_model_of_its_cornering_stiffness(linear_s
     at_rest = linear_sedan.car.outputs(straight)
     for name in ("front_axle", "rear_axle"):
         assert abs(at_rest[f"{name}.left_wheel_angles.toe_angle"]) < 3e-4
-    turn = linear_sedan.find(Turn(SPEED, "lateral_acceleration", 0.1), straight)
+    turn = linear_sedan.find(TurnDemand(SPEED, "lateral_acceleration", 0.1), straight)
     outputs = linear_sedan.car.outputs(turn)
     by_hand = understeer_by_hand(outputs, 0.1)
     assert outputs["steering_angle.understeer_angle"] / 0.1 == pytest.approx(by_hand, rel=0.01)

@@ -38,7 +38,7 @@ class FigureValue:
 
 
 @dataclass(frozen=True)
-class Values:
+class Evaluated:
     """An objective, its gradient (n,), constraints c >= 0 (m,) and their gradients (m, n).
 
     ``residuals`` (r,) and ``residual_slopes`` (r, n) are those whose squares, halved, add up to the
@@ -54,7 +54,7 @@ class Values:
     parts: ObjectiveParts | None = None
 
 
-Composition: TypeAlias = Callable[[Mapping[str, FigureValue]], Values]
+Composition: TypeAlias = Callable[[Mapping[str, FigureValue]], Evaluated]
 """Makes objective and constraints of figures, of which only values and gradients are read."""
 
 
@@ -69,7 +69,7 @@ class ObjectiveParts:
     compose: Composition
 
 
-def parts_of(values: Values) -> ObjectiveParts:
+def parts_of(values: Evaluated) -> ObjectiveParts:
     """Return the figures of an evaluation: its own, else its objective and constraints."""
     if values.parts is not None:
         return values.parts
@@ -88,8 +88,8 @@ def _half_squares(values: Floats, slopes: Floats) -> tuple[float, Floats]:
     return 0.5 * float(values @ values), slopes.T @ values
 
 
-def _as_they_are(figures: Mapping[str, FigureValue]) -> Values:
+def _as_they_are(figures: Mapping[str, FigureValue]) -> Evaluated:
     objective, *constraints = figures.values()
     rows = np.array([item.slope for item in constraints]).reshape(-1, len(objective.slope))
     values = np.array([item.value for item in constraints])
-    return Values(objective.value, objective.slope, values, rows)
+    return Evaluated(objective.value, objective.slope, values, rows)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.analyse.first_order_optimality import ACTIVE, stationarity
 from vehicledyn.analyse.interior_point import NonlinearProgram, Pattern, minimise
-from vehicledyn.analyse.objective import FigureValue, Values, parts_of
+from vehicledyn.analyse.objective import Evaluated, FigureValue, parts_of
 from vehicledyn.analyse.trust_region.figure_models import EvaluatedPoint
 from vehicledyn.analyse.trust_region.search import PENALTY, VAGUE, ScaledTerms
 from vehicledyn.analyse.trust_region.search import search as search_by_models
@@ -44,7 +44,7 @@ _WORSE = 10.0
 class Optimum:
     """The best point that was found.
 
-    ``variables`` (n,) in SI with the :class:`Values` there; ``optimality`` is the largest part of
+    ``variables`` (n,) in SI, :class:`Evaluated` there; ``optimality`` is the largest part of
     the scaled gradient that no active constraint or bound takes, ``violation`` the largest scaled
     one; ``multipliers`` (m,) are zero where a constraint is not active; ``n_runs`` counts
     evaluations, ``failures`` those that came to nothing. ``message`` says how the search ended,
@@ -53,7 +53,7 @@ class Optimum:
     """
 
     variables: Floats
-    values: Values
+    values: Evaluated
     optimality: float
     violation: float
     multipliers: Floats
@@ -72,7 +72,7 @@ class Optimum:
 
 
 def optimise(
-    evaluate: Callable[[Floats], Values],
+    evaluate: Callable[[Floats], Evaluated],
     *,
     start: Floats,
     bounds: tuple[Floats, Floats],
@@ -224,8 +224,8 @@ class _Known:
 
     shares: Floats
     point: Floats
-    values: Values
-    scaled: Values
+    values: Evaluated
+    scaled: Evaluated
 
 
 class _Search:
@@ -233,7 +233,7 @@ class _Search:
 
     def __init__(
         self,
-        evaluate: Callable[[Floats], Values],
+        evaluate: Callable[[Floats], Evaluated],
         bounds: tuple[Floats, Floats],
         most: int,
         least_size: float,
@@ -241,14 +241,14 @@ class _Search:
         self._evaluate, self._most = evaluate, most
         self._is_approaching = False
         self.box = VariableBox(*bounds)
-        self._known: dict[bytes, Values] = {}
+        self._known: dict[bytes, Evaluated] = {}
         self._points: list[_Known] = []
         self._least_size = least_size
         self.size, self.failures = 1.0, list[str]()
         self._lost: set[bytes] = set()
         self._scales = np.zeros(0)
 
-    def at(self, x: Floats) -> Values:
+    def at(self, x: Floats) -> Evaluated:
         """Return what is known of a point; one without a motion is far worse than the start."""
         x = np.clip(x, 0.0, 1.0)
         key = x.tobytes()
@@ -266,7 +266,7 @@ class _Search:
         """Return how many runs may be taken: half of them while no point keeps the constraints."""
         return self._most if self._is_approaching or self.is_feasible else (self._most + 1) // 2
 
-    def _new(self, x: Floats) -> Values:
+    def _new(self, x: Floats) -> Evaluated:
         """Return an evaluation with derivatives by the scaled variables."""
         point = self.box.point(x)
         try:
@@ -298,7 +298,7 @@ class _Search:
         found = self._terms(self.at(x))
         return found.objective, found.gradient, found.constraints, found.jacobian
 
-    def _terms(self, found: Values) -> ScaledTerms:
+    def _terms(self, found: Evaluated) -> ScaledTerms:
         """Return what is scaled of an evaluation."""
         rows = found.jacobian / self._scales[:, None]
         gradient, constraints = found.gradient / self.size, found.constraints / self._scales

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.analyse.objective import Values
+from vehicledyn.analyse.objective import Evaluated
 from vehicledyn.analyse.optimise import optimise
 from vehicledyn.analyse.uncertainty import Distribution
 from vehicledyn.base.errors import NumericalError
@@ -99,11 +99,11 @@ def failing_chance(
     start = np.zeros(n)
     side = 1.0 if margin(to_parameters(laws, start)[0])[0] >= 0.0 else -1.0
 
-    def evaluate(u: Floats) -> Values:
+    def evaluate(u: Floats) -> Evaluated:
         x, slopes = to_parameters(laws, u)
         found, gradient = margin(x)
         row = -side * gradient * slopes
-        return Values(0.5 * float(u @ u), u.copy(), np.array([-side * found]), row[None, :])
+        return Evaluated(0.5 * float(u @ u), u.copy(), np.array([-side * found]), row[None, :])
 
     bounds = np.full(n, -_FARTHEST), np.full(n, _FARTHEST)
     found = optimise(evaluate, start=start, bounds=bounds, tolerance=1e-12, most_runs=_MOST_RUNS)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.analyse.objective import FigureCurve, FigureValue, ObjectiveParts, Values
+from vehicledyn.analyse.objective import Evaluated, FigureCurve, FigureValue, ObjectiveParts
 
 Floats = NDArray[np.float64]
 
@@ -37,7 +37,7 @@ class VariableBox:
         straight = (point - self._low) / (self._high - self._low)
         return np.asarray(np.clip(np.where(self._by_ratio, curved, straight), 0.0, 1.0))
 
-    def by_shares(self, values: Values, point: Floats) -> Values:
+    def by_shares(self, values: Evaluated, point: Floats) -> Evaluated:
         """Return an evaluation at a point with derivatives by the shares."""
         rates = np.where(self._by_ratio, self._logs * point, self._high - self._low)
         turns = np.where(self._by_ratio, self._logs * rates, 0.0)

@@ -26,14 +26,14 @@ _LARGEST = 1e6
 _GROWTH, _HALVINGS = 1.05, 200
 
 
-class Fault(NamedTuple):
+class CamFault(NamedTuple):
     """What is wrong: the place in the cam that it concerns, and words with a remedy."""
 
     place: tuple[str | int, ...]
     words: str
 
 
-def checked(cam: Cam, folder: Path) -> tuple[Cam, list[Fault]]:
+def checked(cam: Cam, folder: Path) -> tuple[Cam, list[CamFault]]:
     """Return a cam with what its files hold, relative to a folder, and what is wrong with it."""
     found = list(_too_large(cam)) or list(_unread(cam, folder))
     if found:
@@ -43,7 +43,7 @@ def checked(cam: Cam, folder: Path) -> tuple[Cam, list[Fault]]:
     return whole, found or list(faults(whole))
 
 
-def _too_large(cam: Cam) -> Iterator[Fault]:
+def _too_large(cam: Cam) -> Iterator[CamFault]:
     """Yield lengths that no cam has, whose squares are no numbers."""
     parts: list[tuple[tuple[str | int, ...], Any]] = [
         ((), cam),
@@ -63,10 +63,10 @@ def _too_large(cam: Cam) -> Iterator[Fault]:
             is_length = field_unit(type(item), name) == "m"
             if is_length and any(abs(n) > _LARGEST for n in numbers if n is not None):
                 words = f"is longer than {_LARGEST:g} m, which no cam is"
-                yield Fault((*place, name), words)
+                yield CamFault((*place, name), words)
 
 
-def _unread(cam: Cam, folder: Path) -> Iterator[Fault]:
+def _unread(cam: Cam, folder: Path) -> Iterator[CamFault]:
     """Yield laws and outlines that make no curve."""
     parts: list[tuple[tuple[str | int, ...], Any]] = [
         (("motion", k), law) for k, law in enumerate(cam.laws)
@@ -81,16 +81,16 @@ def _unread(cam: Cam, folder: Path) -> Iterator[Fault]:
             else:
                 read.support(np.zeros(1))
         except (ValueError, InputError) as error:
-            yield Fault(place, str(error))
+            yield CamFault(place, str(error))
 
 
-def _misfits(cam: Cam) -> Iterator[Fault]:
+def _misfits(cam: Cam) -> Iterator[CamFault]:
     """Yield a motion that does not close, and a follower that does not fit or reach."""
     for k, law in enumerate(cam.laws):
         if law.rise != 0.0 and law.turns != cam.touch.rocks:
             word, other = ("swing", "lift") if cam.touch.rocks else ("lift", "swing")
             words = f"has a {other}, but a follower of kind {cam.touch.kind} needs a {word}"
-            yield Fault(("motion", k), words)
+            yield CamFault(("motion", k), words)
             return
     steps: tuple[tuple[str, Callable[[], object]], ...] = (
         ("motion", lambda: cam.curve),
@@ -104,41 +104,41 @@ def _misfits(cam: Cam) -> Iterator[Fault]:
         try:
             step()
         except ValueError as error:
-            yield Fault((field,), str(error))
+            yield CamFault((field,), str(error))
             return
 
 
-def _unlike(cam: Cam) -> Iterator[Fault]:
+def _unlike(cam: Cam) -> Iterator[CamFault]:
     """Yield a second follower that cannot be on the slide or rocker of the first."""
     pair, second = cam.conjugate, opposite_of(cam)
     if pair is None or second is None:
         return
     place = ("conjugate", "follower")
     if "axial" in (cam.touch.shape, second.touch.shape):
-        yield Fault(place, "face and barrel cams have no second cam; a groove has two sides")
+        yield CamFault(place, "face and barrel cams have no second cam; a groove has two sides")
     elif second.touch.rocks != cam.touch.rocks:
-        yield Fault(place, f"must {'rock' if cam.touch.rocks else 'slide'} as the follower does")
+        yield CamFault(place, f"must {'rock' if cam.touch.rocks else 'slide'} as the follower does")
     elif (pair.angle is not None) != cam.touch.rocks:
         given, asked = ("distance", "angle") if cam.touch.rocks else ("angle", "distance")
-        yield Fault(("conjugate", given), f"leave it out and give the {asked}")
+        yield CamFault(("conjugate", given), f"leave it out and give the {asked}")
     elif cam.touch.rocks and getattr(second.touch, "pivot", None) != getattr(
         cam.touch, "pivot", None
     ):
-        yield Fault(place, "pivot: must be that of the follower, which it is a part of")
+        yield CamFault(place, "pivot: must be that of the follower, which it is a part of")
     elif cam.touch.rocks and getattr(second.touch, "side", None) == getattr(
         cam.touch, "side", None
     ):
-        yield Fault(place, "side: must be the other one, so that the second cam pushes back")
+        yield CamFault(place, "side: must be the other one, so that the second cam pushes back")
     else:
         try:
             second.touch.check_reach(second.moving(second.samples(720)).coordinate)
         except ValueError:
             word = "angle" if cam.touch.rocks else "distance"
             words = f"the second follower does not reach its cam; take another {word}"
-            yield Fault(("conjugate",), words)
+            yield CamFault(("conjugate",), words)
 
 
-def faults(cam: Cam) -> Iterator[Fault]:
+def faults(cam: Cam) -> Iterator[CamFault]:
     """Yield what makes a cam that cannot be cut or run, each with a remedy."""
     yield from _velocity_jumps(cam)
     theta = np.linspace(0.0, 2.0 * math.pi, _SAMPLES + 1)
@@ -170,7 +170,7 @@ def undercuts(cam: Cam, geometry: CamGeometry) -> NDArray[np.bool_]:
     return np.asarray(cut)
 
 
-def _undercut(cam: Cam, geometry: CamGeometry) -> Iterator[Fault]:
+def _undercut(cam: Cam, geometry: CamGeometry) -> Iterator[CamFault]:
     cut = undercuts(cam, geometry)
     if not cut.any():
         return
@@ -191,7 +191,7 @@ def _undercut(cam: Cam, geometry: CamGeometry) -> Iterator[Fault]:
             f"the roller undercuts the cam {where}: the path of its centre has a radius of "
             f"curvature of {1e3 * worst:.4g} mm there, less than the roller's {1e3 * roller:.4g} mm"
         )
-    yield Fault((field,), f"{words}; {_remedy(cam)}")
+    yield CamFault((field,), f"{words}; {_remedy(cam)}")
 
 
 def _size_of(cam: Cam) -> str:
@@ -243,7 +243,7 @@ def enough_base(cam: Cam) -> float | None:
     return high
 
 
-def _velocity_jumps(cam: Cam) -> Iterator[Fault]:
+def _velocity_jumps(cam: Cam) -> Iterator[CamFault]:
     if cam.curve is None:
         return
     theta = np.array(cam.curve.knots)
@@ -255,14 +255,14 @@ def _velocity_jumps(cam: Cam) -> Iterator[Fault]:
     ]
     if jumps and theta.size:
         listed = ", ".join(f"{math.degrees(at):.4g} deg" for at in jumps)
-        yield Fault(
+        yield CamFault(
             ("motion",),
             f"the velocity jumps at {listed}: the profile has a corner, which no follower passes; "
             "take laws that begin and end at rest, or a polynomial whose derivatives fit",
         )
 
 
-def _face(cam: Cam, geometry: CamGeometry) -> Iterator[Fault]:
+def _face(cam: Cam, geometry: CamGeometry) -> Iterator[CamFault]:
     """Yield contacts beyond the ends of a face."""
     if geometry.along is None:
         return
@@ -275,7 +275,7 @@ def _face(cam: Cam, geometry: CamGeometry) -> Iterator[Fault]:
     else:
         return
     if low < ends[0] or high > ends[1]:
-        yield Fault(
+        yield CamFault(
             ("conjugate",) if isinstance(cam, OppositeCam) else ("follower",),
             f"the contact moves from {1e3 * low:.4g} to {1e3 * high:.4g} mm along the face, which "
             f"goes from {1e3 * ends[0]:.4g} to {1e3 * ends[1]:.4g} mm; make the face as long",

@@ -17,7 +17,7 @@ _STRUCTURED = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*", re.ASCII)
 
 
 @dataclass(frozen=True)
-class Experiment:
+class RunDefaults:
     """What an importer runs by default: stop time [s], sampling interval [s], tolerance."""
 
     stop: float = 1.0
@@ -79,7 +79,7 @@ def variables_of(equations: Equations, start: ExportedStart) -> list[FmiVariable
 
 
 def model_description(
-    equations: Equations, identifier: str, token: str, start: ExportedStart, experiment: Experiment
+    equations: Equations, identifier: str, token: str, start: ExportedStart, experiment: RunDefaults
 ) -> str:
     """Return the text of modelDescription.xml."""
     variables = variables_of(equations, start)

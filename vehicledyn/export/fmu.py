@@ -24,7 +24,7 @@ from vehicledyn.codegen.passes.kernel_functions import KernelFunctions, derive_f
 from vehicledyn.codegen.printers.kernel_source import portable_source
 from vehicledyn.codegen.toolchain.compiler import CompilationError, build_library, find_compiler
 from vehicledyn.export.document import ExportedStart, start_of
-from vehicledyn.export.fmi_description import Experiment, build_description, model_description
+from vehicledyn.export.fmi_description import RunDefaults, build_description, model_description
 from vehicledyn.export.identifiers import safe_name
 from vehicledyn.symbolic.equations import Equations
 from vehicledyn.symbolic.tables import CurveTable
@@ -40,7 +40,7 @@ def export_fmu(
     equations: Equations,
     path: Path,
     start: ExportedStart | None = None,
-    experiment: Experiment | None = None,
+    experiment: RunDefaults | None = None,
 ) -> Path:
     """Write an FMU and return its path; equal systems give equal files.
 
@@ -73,7 +73,7 @@ def export_fmu(
     source = f'#define TOKEN "{token}"\n{source}\n{_interface()}'
     files = {
         "modelDescription.xml": model_description(
-            equations, identifier, token, begin, experiment or Experiment()
+            equations, identifier, token, begin, experiment or RunDefaults()
         ).encode(),
         f"sources/{identifier}.c": source.encode(),
         "sources/buildDescription.xml": build_description(identifier).encode(),

@@ -23,7 +23,7 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.codegen.toolchain.compiler import CompilationError, suitable_lanes
 from vehicledyn.integrate.accuracy.lanes import LaneMonitor, lane_watch
 from vehicledyn.integrate.accuracy.windows import StepGrid
-from vehicledyn.integrate.cases import CaseEnd, Cases, Plan, Samples
+from vehicledyn.integrate.cases import CaseEnd, Cases, Samples, SamplingPlan
 from vehicledyn.integrate.channel_ranges import watched_channels
 from vehicledyn.integrate.fixed_step import steps_per_interval
 from vehicledyn.integrate.judged_quantities import Judged
@@ -206,7 +206,7 @@ def run_batch(
     _check_cases(batch.kernel, cases)
     if getattr(solver, "step", 0.0) is None:
         raise InputError("a batch needs solver.step: its cases take their steps together")
-    plan = Plan(start, interval, _count_samples(start, stop, interval), list(channels))
+    plan = SamplingPlan(start, interval, _count_samples(start, stop, interval), list(channels))
     shape = len(cases), plan.n_samples, len(channels)
     samples = np.empty(shape, np.float32) if single else room(shape)
     samples[:] = np.nan
@@ -318,7 +318,7 @@ def _ends(batch: Batch, alone: SingleCase, run: LaneRun, room: Samples) -> list[
 def _judge(
     ends: list[CaseEnd | None],
     room: Samples,
-    judging: tuple[LaneMonitor, Judging, Plan],
+    judging: tuple[LaneMonitor, Judging, SamplingPlan],
     finer: Callable[[], LaneRun],
 ) -> None:
     """Say how accurate the lanes are that came to their end, as far as lanes can tell.
@@ -354,18 +354,18 @@ def _is_weak(alone: SingleCase, samples: Samples) -> bool:
     return not Soundness().holds(alone.rates.determinants(alone.plan.times, values)[:, None])
 
 
-def _by_channels(batch: Batch, plan: Plan) -> Judging:
+def _by_channels(batch: Batch, plan: SamplingPlan) -> Judging:
     """Return that all cases are judged by the channels that are kept."""
     known = set(watched_channels(batch.kernel.equations))
     judged = Judged([k for k in plan.channels if k in known], by_itself=False)
     return lambda _: judged
 
 
-def _whole(plan: Plan) -> CaseEnd:
+def _whole(plan: SamplingPlan) -> CaseEnd:
     return CaseEnd(float(plan.times[-1]), plan.n_samples)
 
 
-def _failed(kernel: Kernel, stopped: Stopped, plan: Plan) -> CaseEnd:
+def _failed(kernel: Kernel, stopped: Stopped, plan: SamplingPlan) -> CaseEnd:
     last = float(plan.times[max(0, stopped.samples - 1)])
     message = kernel.failure(stopped.status, stopped.time, stopped.ledger)
     return CaseEnd(last, stopped.samples, message)

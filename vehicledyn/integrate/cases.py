@@ -59,7 +59,7 @@ class CaseEnd:
 
 
 @dataclass(frozen=True)
-class Plan:
+class SamplingPlan:
     """When to take samples, and of which channels."""
 
     start: float

@@ -82,7 +82,7 @@ class Judged:
 
 
 @dataclass(frozen=True)
-class Sizes:
+class FigureSizes:
     """What errors of figures are parts of: ranges of channels by name, least sizes by unit."""
 
     ranges: Mapping[str, float]
@@ -90,14 +90,14 @@ class Sizes:
     """Smallest size that counts, by unit."""
 
     @staticmethod
-    def of(equations: Equations, channels: list[int], found: Ranges) -> Sizes:
+    def of(equations: Equations, channels: list[int], found: Ranges) -> FigureSizes:
         """Return the sizes of some channels."""
         own = [equations.channels[k] for k in channels]
         units = {unit: _NOISE_OF_LIKES * found.likes[k] for unit, k in found.known.items()}
         for channel, size in zip(own, found.largest().tolist(), strict=True):
             units[channel.unit] = max(units[channel.unit], _NOISE * size)
         names = [channel.name for channel in own]
-        return Sizes(dict(zip(names, found.scales().tolist(), strict=True)), units)
+        return FigureSizes(dict(zip(names, found.scales().tolist(), strict=True)), units)
 
     def of_figure(self, name: str, value: float, unit: str) -> float:
         """Return the range of the channel that a figure is named after, else its own size.
@@ -111,7 +111,7 @@ class Sizes:
 
 
 def figure_errors(
-    own: Mapping[str, tuple[float, str]], other: Mapping[str, tuple[float, str]], sizes: Sizes
+    own: Mapping[str, tuple[float, str]], other: Mapping[str, tuple[float, str]], sizes: FigureSizes
 ) -> dict[str, float]:
     """Return how far figures lie from other ones, as parts of sizes; infinite where one lacks."""
     found = {}

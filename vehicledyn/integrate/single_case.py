@@ -10,7 +10,7 @@ from typing import TypeAlias
 import numpy as np
 
 from vehicledyn.base.errors import NumericalError
-from vehicledyn.integrate.cases import CaseEnd, Cases, Plan, Samples
+from vehicledyn.integrate.cases import CaseEnd, Cases, Samples, SamplingPlan
 from vehicledyn.integrate.judged_quantities import Judged
 from vehicledyn.integrate.simulate import Solver, simulate
 from vehicledyn.integrate.task import Statistics
@@ -36,7 +36,7 @@ class SingleCase:
 
     kernel: Kernel
     solver: Solver
-    plan: Plan
+    plan: SamplingPlan
     runner: Runner
     rates: RateMonitor | None
     judged: Judging

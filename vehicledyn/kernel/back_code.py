@@ -48,7 +48,7 @@ class Record:
 
 
 @dataclass(frozen=True)
-class Passage:
+class ReplacedStep:
     """A step that is taken in another way: where it ends, and the derivatives of that.
 
     ``by_state`` (n_states, n_states) and ``by_parameter`` (n_states, n_parameters).
@@ -61,11 +61,11 @@ class Passage:
 
 
 @dataclass(frozen=True)
-class Passages:
+class ReplacedSteps:
     """Steps that are taken in another way, and what takes one from its states and unknowns."""
 
     steps: Collection[int]
-    taken: Callable[[int, Vector, Vector], Passage]
+    taken: Callable[[int, Vector, Vector], ReplacedStep]
 
 
 class BackCode:
@@ -88,7 +88,7 @@ class BackCode:
         code: TangentCode,
         grid: StepRow,
         constants: Vector,
-        passages: Passages | None = None,
+        passages: ReplacedSteps | None = None,
     ) -> None:
         self._code, self._grid, self._constants = code, grid, constants
         e, lanes = code.equations, code.lanes
@@ -109,7 +109,7 @@ class BackCode:
         self._numbers, self._bundle = code.numbers(), Bundle(code, np.zeros((n_c, 0)))
         self._steps = steps_of(grid)
         self.adjoint = np.zeros(n_x)
-        self._passages, self._passed = passages, dict[int, Passage]()
+        self._passages, self._passed = passages, dict[int, ReplacedStep]()
         self.passages_adjoint = np.zeros(len(e.parameters))
 
     @property

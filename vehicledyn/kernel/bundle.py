@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.codegen.passes.linear_program import LinearProgram
-from vehicledyn.codegen.passes.stage_program import NO_STEPS, Solution
+from vehicledyn.codegen.passes.stage_program import NO_STEPS, StageSolution
 from vehicledyn.kernel.engine import Sides, Status, Vector
 from vehicledyn.kernel.plans import Passes, SlopeMap, aligned
 from vehicledyn.kernel.tangent_code import MotionPoint, StepRow, StepSpan, TangentCode, steps_of
@@ -96,7 +96,7 @@ class Bundle:
     def _to_seen(self) -> _Map:
         return self._map(self._code.seen, self._code.to_seen, NO_STEPS)
 
-    def _map(self, program: LinearProgram, known: Passes, solution: Solution) -> _Map:
+    def _map(self, program: LinearProgram, known: Passes, solution: StageSolution) -> _Map:
         lanes, n_targets = self._code.lanes, len(program.targets)
         active = np.flatnonzero(self._constants.any(axis=0))
         moved = self._code.passes_by(program, self._constants[:, active])

@@ -136,7 +136,7 @@ class SampleRows:
     outputs: Vector
 
 
-class Engine(Protocol):
+class KernelEngine(Protocol):
     """Runs the functions of one kernel; ``constants`` come from :meth:`prepare`."""
 
     def prepare(self, parameters: Vector) -> Vector:

@@ -10,8 +10,8 @@ import numpy as np
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.kernel.engine import (
     Count,
-    Engine,
     Figure,
+    KernelEngine,
     Ledger,
     March,
     SampleRows,
@@ -51,7 +51,7 @@ class Kernel:
     backend: str
     description: str
     report: KernelReport
-    engine: Engine
+    engine: KernelEngine
     key: str = ""
     made: dict[Any, Any] = field(default_factory=dict)
 
@@ -190,7 +190,7 @@ class Kernel:
         return status
 
     def advance_part(self, march: March, part: Span) -> Status:
-        """Take a part of the step that is due, see :class:`vehicledyn.kernel.engine.Engine`."""
+        """Take a part of the step, see :class:`vehicledyn.kernel.engine.KernelEngine`."""
         return self.engine.advance_part(march, part, self._constants)
 
     def event_values(self, time: float, state: Any, unknowns: Any) -> Vector:

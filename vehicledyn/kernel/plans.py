@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.codegen.passes.linear_program import LinearProgram
-from vehicledyn.codegen.passes.stage_program import NO_STEPS, Solution
+from vehicledyn.codegen.passes.stage_program import NO_STEPS, StageSolution
 
 Ints = NDArray[np.int32]
 _L, _P = ctypes.c_longlong, ctypes.c_void_p
@@ -41,7 +41,7 @@ class _Pass(ctypes.Structure):
     _fields_ = [("plan", _P), ("seeds", _P), ("first", _L), ("width", ctypes.c_int)]
 
 
-class Slopes(ctypes.Structure):
+class PlannedSlopes(ctypes.Structure):
     """What C knows of the derivatives of some results at several points."""
 
     _fields_ = [
@@ -164,7 +164,7 @@ def _groups(
 class SlopeMap:
     """The derivatives of a program's results, as C reads them; keeps all that it reads."""
 
-    slopes: Slopes
+    slopes: PlannedSlopes
     n_targets: int
     _kept: list[Any] = field(default_factory=list)
 
@@ -174,7 +174,7 @@ class SlopeMap:
         known: Passes,
         moved: Passes,
         lanes: int,
-        solution: Solution = NO_STEPS,
+        solution: StageSolution = NO_STEPS,
     ) -> SlopeMap:
         """Return the map of passes by time, states and first results, and of passes by constants.
 
@@ -209,7 +209,7 @@ class SlopeMap:
         lists += [solution.out, solution.scales, solution.starts]
         lists += [solution.columns, solution.which]
         n_slots = max([1, *[p.n_slots for p, _ in whole]])
-        slopes = Slopes(
+        slopes = PlannedSlopes(
             int(known.n_before > 0),
             n_targets,
             len(whole),

@@ -15,7 +15,7 @@ _MOST_FAILURES = 20
 
 
 @dataclass(frozen=True)
-class Spread:
+class ValueRange:
     """Smallest, mean and largest of some values in SI; None where there are none."""
 
     name: str
@@ -46,9 +46,9 @@ class StudyDescription:
     created: str
     program_version: str
     cases: dict[str, int]
-    axes: tuple[Spread, ...]
+    axes: tuple[ValueRange, ...]
     choices: dict[str, tuple[str, ...]]
-    figures: tuple[Spread, ...]
+    figures: tuple[ValueRange, ...]
     texts: dict[str, dict[str, int]]
     channels: tuple[str, ...]
     samples: int
@@ -111,7 +111,7 @@ def describe_study(path: Path) -> StudyDescription:
         )
 
 
-def _axes(file: StudyFile) -> tuple[tuple[Spread, ...], dict[str, tuple[str, ...]]]:
+def _axes(file: StudyFile) -> tuple[tuple[ValueRange, ...], dict[str, tuple[str, ...]]]:
     spreads, choices = [], {}
     for column, axis in enumerate(file.axes):
         if axis.choices:
@@ -121,7 +121,7 @@ def _axes(file: StudyFile) -> tuple[tuple[Spread, ...], dict[str, tuple[str, ...
     return tuple(spreads), choices
 
 
-def _figures(file: StudyFile) -> tuple[tuple[Spread, ...], dict[str, dict[str, int]]]:
+def _figures(file: StudyFile) -> tuple[tuple[ValueRange, ...], dict[str, dict[str, int]]]:
     spreads, texts = [], {}
     for name, figure in file.figures.items():
         spread = _spread(name, figure.unit, figure.description, file.figure(name))
@@ -137,12 +137,12 @@ def _counted(texts: list[str]) -> dict[str, int]:
     return {text: known.count(text) for text in sorted(set(known))}
 
 
-def _spread(name: str, unit: str, description: str, values: Any) -> Spread:
+def _spread(name: str, unit: str, description: str, values: Any) -> ValueRange:
     known = values[np.isfinite(values)]
     if not known.size:
-        return Spread(name, unit, description, 0, None, None, None)
+        return ValueRange(name, unit, description, 0, None, None, None)
     low, mean, high = float(known.min()), float(known.mean()), float(known.max())
-    return Spread(name, unit, description, int(known.size), low, mean, high)
+    return ValueRange(name, unit, description, int(known.size), low, mean, high)
 
 
 def _table(title: str, rows: list[tuple[str, str]], width: int) -> list[str]:

@@ -31,7 +31,7 @@ from vehicledyn.results.store.study_layout import (
 )
 from vehicledyn.studies.axes import Design
 from vehicledyn.studies.load import LoadedStudy
-from vehicledyn.studies.model import Case, Model, make_model
+from vehicledyn.studies.model import Case, CaseModel, make_model
 from vehicledyn.studies.recipe import Recipe
 
 Tell: TypeAlias = Callable[[str, float | None], None]
@@ -113,9 +113,9 @@ class Worker:
     tell: Tell
     folder: Path | None = None
     """Where samples are kept on the disk, None for in the memory."""
-    models: dict[tuple[float, ...], Model | VehicledynError] = field(default_factory=dict)
+    models: dict[tuple[float, ...], CaseModel | VehicledynError] = field(default_factory=dict)
 
-    def model(self, values: Sequence[float]) -> Model:
+    def model(self, values: Sequence[float]) -> CaseModel:
         """Return the model for the choices among some values.
 
         Raises
@@ -140,7 +140,7 @@ class Worker:
         work = self.work
         values = work.design.cases(first, stop)
         block = StudyBlock(first, values)
-        groups: dict[int, tuple[Model, list[int], list[Case]]] = {}
+        groups: dict[int, tuple[CaseModel, list[int], list[Case]]] = {}
         for number, row in enumerate(values.tolist()):
             name = f"case {first + number}"
             try:
@@ -156,7 +156,7 @@ class Worker:
             self._run(model, numbers, cases, block)
         return block
 
-    def _make(self, values: Sequence[float]) -> Model:
+    def _make(self, values: Sequence[float]) -> CaseModel:
         work = self.work
         return make_model(
             work.recipe,
@@ -168,7 +168,9 @@ class Worker:
             progress=self.tell,
         )
 
-    def _run(self, model: Model, numbers: list[int], cases: list[Case], block: StudyBlock) -> None:
+    def _run(
+        self, model: CaseModel, numbers: list[int], cases: list[Case], block: StudyBlock
+    ) -> None:
         work = self.work
         try:
             result = run_batch(

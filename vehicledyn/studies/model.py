@@ -43,7 +43,7 @@ from vehicledyn.studies.axes import Axis
 from vehicledyn.studies.case_beams import CaseBeams
 from vehicledyn.studies.load import leaves
 from vehicledyn.studies.recipe import Recipe
-from vehicledyn.studies.starts import Reference, find_reference, start_of
+from vehicledyn.studies.starts import RestPoint, find_reference, start_of
 from vehicledyn.symbolic.equations import Channel, Equations
 
 _PROBES = (101, 102)
@@ -79,7 +79,7 @@ class Shortcut:
 
 
 @dataclass
-class Model:
+class CaseModel:
     """What all cases of one structure share."""
 
     recipe: Recipe
@@ -89,7 +89,7 @@ class Model:
     kept: list[int]
     needed: list[int]
     has_figures: bool
-    reference: Reference | None
+    reference: RestPoint | None
     shortcut: Shortcut | None = None
     columns: list[int] = field(init=False)
 
@@ -208,7 +208,7 @@ def make_model(
     lanes: int | None,
     backend: Backend,
     progress: Progress,
-) -> Model:
+) -> CaseModel:
     """Return the model of all cases whose choices are those of a case with these values.
 
     It is made from the scenario with these choices alone, or from the case itself where they
@@ -233,7 +233,7 @@ def make_model(
     needed: list[str] = []
     if figures or PATH_ERROR in names:  # who loses the car is known by its key figures
         needed = prepared.subject.channels(prepared.equations)
-    return Model(
+    return CaseModel(
         recipe,
         loaded,
         prepared,
@@ -317,7 +317,7 @@ def _parameters_of(subject: Subject, prepared: Prepared) -> Vector:
 
 
 def _find_shortcut(
-    recipe: Recipe, values: Sequence[float], prepared: Prepared, reference: Reference | None
+    recipe: Recipe, values: Sequence[float], prepared: Prepared, reference: RestPoint | None
 ) -> Shortcut | None:
     """Return where parameters that vary stand in scenarios, None if more than these vary.
 
@@ -374,7 +374,7 @@ def _probe(axes: Sequence[Axis], values: Sequence[float], number: int) -> list[f
     return found
 
 
-def _held(subject: Subject, prepared: Prepared, reference: Reference | None) -> Vector:
+def _held(subject: Subject, prepared: Prepared, reference: RestPoint | None) -> Vector:
     """Return the part of a start that does not follow from the balance, at one speed."""
     equations = starting_at(prepared.equations, prepared.subject, subject)
     rates = [subject.given_rates.get(joint.name, 0.0) for joint in subject.system.joints()]

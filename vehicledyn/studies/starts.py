@@ -36,7 +36,7 @@ _WANTED = 0.1 * BALANCE_TOLERANCE
 
 
 @dataclass(frozen=True)
-class Reference:
+class RestPoint:
     """An equilibrium to begin from, with its inverse Jacobian (n_free, n_free)."""
 
     free: list[int]
@@ -49,7 +49,7 @@ class Reference:
 
 
 def start_of(
-    prepared: Prepared, speed: float, kind: Start | None, reference: Reference | None
+    prepared: Prepared, speed: float, kind: Start | None, reference: RestPoint | None
 ) -> AssembledPoint:
     """Return the point a case starts from, as :func:`start_point` would.
 
@@ -81,7 +81,7 @@ def start_of(
     return equilibrium_point(prepared, speed, "steady" if steady else "static")
 
 
-def find_reference(prepared: Prepared, speed: float, kind: Start | None) -> Reference | None:
+def find_reference(prepared: Prepared, speed: float, kind: Start | None) -> RestPoint | None:
     """Return what the equilibria of other cases are found from; None if there is none."""
     chosen = kind or prepared.subject.usual_start
     if chosen == "nominal" or prepared.has_multipliers:
@@ -106,14 +106,14 @@ def find_reference(prepared: Prepared, speed: float, kind: Start | None) -> Refe
         inverse = np.asarray(np.linalg.inv(total.rates[np.ix_(balanced, free)]), dtype=float)
     except np.linalg.LinAlgError:
         return None
-    return Reference(free, balanced, begin, state, point.unknowns, total.unknowns[:, free], inverse)
+    return RestPoint(free, balanced, begin, state, point.unknowns, total.unknowns[:, free], inverse)
 
 
 def _begin(subject: Subject, equations: Equations, speed: float) -> Vector:
     return subject.start_state(equations, speed) if speed > 0.0 else subject.still_state(equations)
 
 
-def _near(prepared: Prepared, speed: float, reference: Reference) -> AssembledPoint | None:
+def _near(prepared: Prepared, speed: float, reference: RestPoint) -> AssembledPoint | None:
     """Return the equilibrium of a case near the reference; None if it is not found."""
     r, time = reference, prepared.subject.balance_time
     set_speed(prepared, speed)
@@ -150,7 +150,7 @@ def _near(prepared: Prepared, speed: float, reference: Reference) -> AssembledPo
 
 
 def _rates(
-    kernel: Kernel, time: float, r: Reference, place: Vector, point: tuple[Vector, Vector]
+    kernel: Kernel, time: float, r: RestPoint, place: Vector, point: tuple[Vector, Vector]
 ) -> tuple[Vector, Vector]:
     """Return the rates to balance, and the unknowns, with the free states at a place."""
     state, guess = point

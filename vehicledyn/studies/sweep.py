@@ -37,7 +37,7 @@ from vehicledyn.studies.block import Work, facts_of, work_of
 from vehicledyn.studies.case_beams import beam_warnings
 from vehicledyn.studies.cluster import ClusterAddress, open_cluster
 from vehicledyn.studies.load import LoadedStudy
-from vehicledyn.studies.model import Model
+from vehicledyn.studies.model import CaseModel
 from vehicledyn.studies.processes import own_processes
 
 MOST_SHOWN = 20
@@ -317,7 +317,7 @@ def _refuse_output(output: Path, *, may_exist: bool) -> None:
         )
 
 
-def _header(study: LoadedStudy, work: Work, model: Model) -> StudyHeader:
+def _header(study: LoadedStudy, work: Work, model: CaseModel) -> StudyHeader:
     axes = [
         StudyAxis(a.key, a.unit, tuple(json.dumps(choice) for choice in a.choices))
         for a in work.design.axes

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from vehicledyn.analyse.gradients.key_figures import figure_slope, gauss_newton
-from vehicledyn.analyse.objective import FigureCurve, FigureValue, ObjectiveParts, Values
+from vehicledyn.analyse.objective import Evaluated, FigureCurve, FigureValue, ObjectiveParts
 from vehicledyn.analyse.optimise import optimise
 from vehicledyn.analyse.trust_region.interpolant import Interpolant
 from vehicledyn.analyse.variable_box import VariableBox
@@ -66,7 +66,7 @@ def test_variables_of_wide_positive_bounds_are_scaled_by_ratios():
         figure = FigureValue(figure.value, figure.slope, bend)
         parts = ObjectiveParts({"figure": figure}, lambda _: None)
         none = np.zeros(0), np.zeros((0, 2))
-        return box.by_shares(Values(figure.value, figure.slope, *none, parts=parts), x)
+        return box.by_shares(Evaluated(figure.value, figure.slope, *none, parts=parts), x)
 
     found, h = values(point), 1e-5
     for k, e in enumerate(np.eye(2)):
@@ -87,7 +87,7 @@ def hock_schittkowski_71(x):
     """Return the problem of that number: f* = 17.0140173."""
     a, b, c, d = x
     circle = np.sum(x**2)
-    return Values(
+    return Evaluated(
         a * d * (a + b + c) + c,
         np.array([d * (2.0 * a + b + c), a * d, a * d + 1.0, a * (a + b + c)]),
         np.array([a * b * c * d - 25.0, circle - 40.0, 40.0 - circle]),
@@ -122,8 +122,10 @@ def test_curves_of_figures_are_modelled_where_that_is_closer():
         figure = FigureValue(
             value, slope, curve=FigureCurve(values, slopes, draw) if drawn else None
         )
-        parts = ObjectiveParts({"f": figure}, lambda f: Values(f["f"].value, f["f"].slope, *none))
-        return Values(value, slope, *none, parts=parts)
+        parts = ObjectiveParts(
+            {"f": figure}, lambda f: Evaluated(f["f"].value, f["f"].slope, *none)
+        )
+        return Evaluated(value, slope, *none, parts=parts)
 
     found = search(evaluate, [-1.2, 1.0], [-2, -2], [2, 2])
     plain = search(lambda x: evaluate(x, drawn=False), [-1.2, 1.0], [-2, -2], [2, 2])
@@ -136,7 +138,7 @@ def test_an_infeasible_problem_ends_where_it_misses_least():
 
     def evaluate(x):
         bounds = np.array([x[0] - 1.0, -x[0]]), np.array([[1.0], [-1.0]])
-        return Values(float(x[0] ** 2), 2.0 * x, *bounds)
+        return Evaluated(float(x[0] ** 2), 2.0 * x, *bounds)
 
     found = search(evaluate, [1.7], [-2], [2])
     assert not found.is_feasible

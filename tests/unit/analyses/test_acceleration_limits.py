@@ -18,7 +18,7 @@ from vehicledyn.analyses.handling.steady_turn import (
     solver_for,
 )
 from vehicledyn.analyses.handling.tested_car import CONTROL, TestedCar
-from vehicledyn.analyses.handling.turn_equations import Turn
+from vehicledyn.analyses.handling.turn_equations import TurnDemand
 from vehicledyn.analyses.handling.turn_limit import limit_value
 from vehicledyn.analyses.handling.turn_paths import followed
 from vehicledyn.analyses.handling.yaw_moment import yaw_moments
@@ -65,7 +65,7 @@ def test_limits_are_those_of_the_curve_whatever_the_steps(along):
         start = path.values[0], path.points[0]
 
     def turn(across):
-        return Turn(SPEED, "lateral_acceleration", across, along)
+        return TurnDemand(SPEED, "lateral_acceleration", across, along)
 
     for smallest in (0.03, 0.2):
         path = followed(solver, turn, start, np.inf, step=0.5, smallest=smallest)

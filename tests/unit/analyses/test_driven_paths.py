@@ -8,7 +8,7 @@ import pytest
 import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.analyses.mechanism.driven_mechanism import mechanism
 from vehicledyn.analyses.mechanism.kinematics import Request, sweep_kinematics
-from vehicledyn.analyses.mechanism.mechanism_path import Drive, run_sweep
+from vehicledyn.analyses.mechanism.mechanism_path import PathDrive, run_sweep
 from vehicledyn.analyses.preparation.build_model import build_subject
 from vehicledyn.base.errors import InputError
 from vehicledyn.files.scenario import load_model
@@ -25,7 +25,7 @@ def positions(name):
 def sweep(name, drives, *, together=False, hold=()):
     place = positions(name)
     machine = mechanism(place, list(drives), hold)
-    values = [Drive(key, tuple(map(float, items))) for key, items in drives.items()]
+    values = [PathDrive(key, tuple(map(float, items))) for key, items in drives.items()]
     return machine, run_sweep(machine, values, together=together)
 
 

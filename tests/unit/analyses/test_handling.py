@@ -11,7 +11,7 @@ from vehicledyn.analyses.handling.standard_tests import StandardTests
 from vehicledyn.analyses.handling.steady_turn import POWER_SLIDE, SteadyTurn, solver_for
 from vehicledyn.analyses.handling.test_run import drive, figures_of
 from vehicledyn.analyses.handling.tested_car import CONTROL, TestedCar
-from vehicledyn.analyses.handling.turn_equations import Turn
+from vehicledyn.analyses.handling.turn_equations import TurnDemand
 from vehicledyn.analyses.handling.yaw_moment import yaw_moments
 from vehicledyn.analyses.preparation.build_model import build_tested
 from vehicledyn.base.errors import InputError, NumericalError
@@ -72,7 +72,9 @@ def test_understeer_of_linear_tyres_is_that_of_the_single_track_model(linear_car
     """K = F_0/g (1/C_front - 1/C_rear), as stiffness is proportional to load."""
     by_hand = LOAD / GRAVITY * (1.0 / FRONT - 1.0 / REAR)
     points = [
-        linear_car.find(Turn(SPEED, "lateral_acceleration", lateral), linear_car.straight(SPEED))
+        linear_car.find(
+            TurnDemand(SPEED, "lateral_acceleration", lateral), linear_car.straight(SPEED)
+        )
         for lateral in (0.05, 0.1)
     ]
     angles = [linear_car.car.outputs(p)["steering_angle.understeer_angle"] for p in points]
@@ -101,7 +103,7 @@ def test_at_one_curvature_the_three_methods_have_one_gradient(small_car):
 
 
 def test_a_steady_turn_is_where_a_simulated_step_ends(small_car):
-    turn = Turn(SPEED, "lateral_acceleration", 3.0)
+    turn = TurnDemand(SPEED, "lateral_acceleration", 3.0)
     point = small_car.find(turn, small_car.straight(SPEED))
     wanted = small_car.car.outputs(point)
     test = StepSteer(
@@ -152,7 +154,9 @@ def test_the_linear_response_is_that_of_the_general_analysis(small_car):
 
 
 def test_the_yaw_moment_vanishes_in_a_steady_turn(small_car):
-    point = small_car.find(Turn(SPEED, "lateral_acceleration", 4.0), small_car.straight(SPEED))
+    point = small_car.find(
+        TurnDemand(SPEED, "lateral_acceleration", 4.0), small_car.straight(SPEED)
+    )
     outputs = small_car.car.outputs(point)
     found = yaw_moments(
         small_car,
@@ -165,7 +169,7 @@ def test_the_yaw_moment_vanishes_in_a_steady_turn(small_car):
 
 
 def test_the_speed_that_is_held_is_that_along_the_path(small_car):
-    point = small_car.find(Turn(15.0, "curvature", 0.03), small_car.straight(15.0))
+    point = small_car.find(TurnDemand(15.0, "curvature", 0.03), small_car.straight(15.0))
     outputs = small_car.car.outputs(point)
     ahead, aside = (outputs[f"body.{name}_speed"] for name in ("forward", "lateral"))
     assert abs(aside) > 0.1
@@ -209,7 +213,7 @@ def test_a_curve_that_bends_before_its_limit_shows_it():
 
 def test_a_turn_beyond_the_grip_is_refused_with_what_was_asked(small_car):
     with pytest.raises(NumericalError, match="lateral acceleration 15 at 25 m/s"):
-        small_car.find(Turn(SPEED, "lateral_acceleration", 15.0), small_car.straight(SPEED))
+        small_car.find(TurnDemand(SPEED, "lateral_acceleration", 15.0), small_car.straight(SPEED))
 
 
 def test_a_fishhook_reports_when_its_first_roll_ends(small_car):

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from vehicledyn.analyses.handling import test_run
-from vehicledyn.analyses.handling.steady_turn import SteadyTurn, Turn
-from vehicledyn.analyses.handling.test_run import Drive
+from vehicledyn.analyses.handling.steady_turn import SteadyTurn, TurnDemand
+from vehicledyn.analyses.handling.test_run import DriveRecord
 from vehicledyn.analyses.handling.tested_car import CarPoint
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.results.hdf5.kept_work import KeptWork
 
-KINDS = CarPoint, Drive
+KINDS = CarPoint, DriveRecord
 
 
 def memory(kept):
@@ -26,7 +26,7 @@ def test_a_drive_that_is_known_is_not_driven_again(tmp_path, monkeypatch):
 
     def driven(*_):
         drives.append(1)
-        return Drive(np.array([0.0, 0.1]), np.ones((2, 1)), "")
+        return DriveRecord(np.array([0.0, 0.1]), np.ones((2, 1)), "")
 
     def drive(known, number=1.0, state=0.1, digest="x", duration=0.1):
         kernel = SimpleNamespace(parameters=np.array([number]), set_parameters=lambda _: None)
@@ -66,10 +66,10 @@ def test_a_turn_that_is_known_is_not_searched_again(tmp_path, monkeypatch):
         solver = object.__new__(SteadyTurn)
         solver.car = SimpleNamespace(memory=known)
         guess = CarPoint(np.array([shift]), np.zeros(0), np.array([2.0]))
-        found = solver.find(Turn(20.0, "curvature", 0.5), guess)
+        found = solver.find(TurnDemand(20.0, "curvature", 0.5), guess)
         assert found.state.tolist() == [shift + 0.5] and found.parameters.tolist() == [2.0]
         with pytest.raises(NumericalError, match="no steady turn"):
-            solver.find(Turn(20.0, "curvature", 1.5), guess)
+            solver.find(TurnDemand(20.0, "curvature", 1.5), guess)
 
     monkeypatch.setattr(SteadyTurn, "_find", find)
     for resume in (False, True):

@@ -5,7 +5,7 @@ import pytest
 
 from vehicledyn.analyses.handling.steady_turn import SteadyTurn
 from vehicledyn.analyses.handling.tested_car import CONTROL, TestedCar
-from vehicledyn.analyses.handling.turn_equations import Turn
+from vehicledyn.analyses.handling.turn_equations import TurnDemand
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.interface.targets import read_target
 from vehicledyn.road.manoeuvres.driving_test import DrivingTest
@@ -48,7 +48,7 @@ def test_a_driven_car_runs_straight_and_turns(model):
     """Every rate vanishes, also that of the accelerator, which the search does not balance."""
     solver = solver_of(model)
     point = solver.straight(SPEED)
-    turn = solver.find(Turn(SPEED, "lateral_acceleration", 3.0), point)
+    turn = solver.find(TurnDemand(SPEED, "lateral_acceleration", 3.0), point)
     assert turn.state[solver.states.motion[2]] * SPEED == pytest.approx(3.0, rel=1e-3)
     for found in (point, turn):
         assert greatest_rate(solver, found) < STEADY
@@ -76,7 +76,9 @@ def test_the_gearbox_is_in_the_gear_of_the_speed(automatic):
 
 
 def test_a_steady_turn_with_a_gearbox_holds_all_rates(automatic):
-    point = automatic.find(Turn(SPEED, "lateral_acceleration", 3.0), automatic.straight(SPEED))
+    point = automatic.find(
+        TurnDemand(SPEED, "lateral_acceleration", 3.0), automatic.straight(SPEED)
+    )
     assert point.state[automatic.states.motion[2]] * SPEED == pytest.approx(3.0, rel=1e-3)
     assert greatest_rate(automatic, point) < STEADY
 
@@ -84,4 +86,4 @@ def test_a_steady_turn_with_a_gearbox_holds_all_rates(automatic):
 def test_more_than_full_throttle_is_refused(automatic):
     straight = automatic.straight(SPEED)
     with pytest.raises(NumericalError, match="full throttle"):
-        automatic.find(Turn(SPEED, "steering", 0.0, 4.0), straight)
+        automatic.find(TurnDemand(SPEED, "steering", 0.0, 4.0), straight)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from vehicledyn.analyses.handling.tested_car import CONTROL, CarPoint, TestedCar
-from vehicledyn.analyses.handling.turn_equations import Turn, TurnEquations
+from vehicledyn.analyses.handling.turn_equations import TurnDemand, TurnEquations
 from vehicledyn.analyses.handling.turn_states import TurnStates
 from vehicledyn.interface.targets import read_target
 from vehicledyn.road.manoeuvres.driving_test import DrivingTest
@@ -46,10 +46,10 @@ def differenced(function, place):
 @pytest.mark.parametrize(
     ("turn", "drive"),
     [
-        (Turn(SPEED, "lateral_acceleration", 3.0), 300.0),
-        (Turn(SPEED, "curvature", 0.01, acceleration=1.0), 300.0),
-        (Turn(SPEED, "steering", 0.1, acceleration=-1.0), -0.4),
-        (Turn(SPEED, "steering", 0.1, sideslip=0.02), 300.0),
+        (TurnDemand(SPEED, "lateral_acceleration", 3.0), 300.0),
+        (TurnDemand(SPEED, "curvature", 0.01, acceleration=1.0), 300.0),
+        (TurnDemand(SPEED, "steering", 0.1, acceleration=-1.0), -0.4),
+        (TurnDemand(SPEED, "steering", 0.1, sideslip=0.02), 300.0),
     ],
 )
 def test_derivatives_by_unknowns_are_those_of_differences(car, equations, rolling, turn, drive):
@@ -69,7 +69,9 @@ def test_the_derivative_by_a_value_is_that_of_differences(equations, rolling):
     """On a circle of 100 m the speed grows with the lateral acceleration, here while braking."""
 
     def turn(lateral):
-        return Turn(float(np.sqrt(100.0 * lateral)), "curvature", 0.01, acceleration=-0.1 * lateral)
+        return TurnDemand(
+            float(np.sqrt(100.0 * lateral)), "curvature", 0.01, acceleration=-0.1 * lateral
+        )
 
     unknowns = equations.unknowns(turn(4.0), rolling)
     unknowns[-1] = -0.4

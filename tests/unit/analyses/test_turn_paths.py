@@ -7,7 +7,7 @@ from vehicledyn.analyses.handling.circle import SteadyCurve, constant_radius, co
 from vehicledyn.analyses.handling.equal_curvature import gradients_on_circle, place_on
 from vehicledyn.analyses.handling.steady_turn import SteadyTurn, solver_for
 from vehicledyn.analyses.handling.tested_car import CONTROL, TestedCar
-from vehicledyn.analyses.handling.turn_equations import Turn
+from vehicledyn.analyses.handling.turn_equations import TurnDemand
 from vehicledyn.analyses.handling.turn_paths import followed, reached
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.interface.targets import read_target
@@ -17,7 +17,7 @@ LIMIT = 8.0
 
 
 def lateral(value):
-    return Turn(20.0, "lateral_acceleration", value)
+    return TurnDemand(20.0, "lateral_acceleration", value)
 
 
 class Curve:
@@ -146,7 +146,7 @@ def test_the_drive_helps_where_cornering_brakes_more_than_wanted():
     solver = SteadyTurn(car)
 
     def turn(value):
-        return Turn(25.0, "lateral_acceleration", value, -0.5)
+        return TurnDemand(25.0, "lateral_acceleration", value, -0.5)
 
     start = solver.find(turn(0.0), solver.straight(25.0))
     path = followed(solver, turn, (0.0, start), np.inf, step=0.5, smallest=0.03)

@@ -17,7 +17,7 @@ from vehicledyn.analyses.models.exporting import export_target
 from vehicledyn.base.registry import find
 from vehicledyn.codegen.toolchain.compiler import CompilationError, find_compiler
 from vehicledyn.export.document import ExportedStart, start_of
-from vehicledyn.export.fmi_description import Experiment
+from vehicledyn.export.fmi_description import RunDefaults
 from vehicledyn.export.fmu import export_fmu
 from vehicledyn.files.scenario import load_scenario
 from vehicledyn.integrate.simulate import simulate
@@ -239,7 +239,7 @@ def test_events_reset_states_and_end_the_run(tmp_path):
 
 def test_description_names_everything_once(tmp_path):
     e = case("motor_on_a_shaker").equations
-    path = export_fmu(e, tmp_path / "model.fmu", experiment=Experiment(3.0, 0.1))
+    path = export_fmu(e, tmp_path / "model.fmu", experiment=RunDefaults(3.0, 0.1))
     description = fmpy.read_model_description(str(path), validate=True)
     by_name = {v.name: v for v in description.modelVariables}
     assert len(by_name) == len(description.modelVariables)

@@ -7,7 +7,7 @@ import pytest
 import yaml
 
 import vehicledyn as vd
-from vehicledyn.analyse.objective import Values
+from vehicledyn.analyse.objective import Evaluated
 from vehicledyn.analyse.optimise import optimise
 from vehicledyn.cli import main
 
@@ -98,7 +98,7 @@ def test_a_search_that_ends_before_the_constraints_goes_on_from_near_them():
         off, slope, hill = np.arctan(a) - np.arctan(0.5), 1.0 / (1.0 + a**2), np.exp(-(a**2))
         constraints = np.array([0.01 - off, 0.01 + off, b - hill])
         rows = np.array([[-slope, 0.0], [slope, 0.0], [2.0 * a * hill, 1.0]])
-        return Values(float(a + b), np.ones(2), constraints, rows)
+        return Evaluated(float(a + b), np.ones(2), constraints, rows)
 
     found = optimise(
         evaluate,

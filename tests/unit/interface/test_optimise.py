@@ -8,7 +8,7 @@ import pytest
 from programs import call
 
 import vehicledyn as vd
-from vehicledyn.analyse.objective import Values
+from vehicledyn.analyse.objective import Evaluated
 from vehicledyn.analyse.optimise import optimise
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.cli.exit_codes import NEGATIVE, code_of_result
@@ -187,7 +187,7 @@ def test_a_failed_run_is_retreated_from():
     def evaluate(x):
         if x[0] > 2.0:
             raise NumericalError("flies off")
-        return Values(float((x[0] - 1.9) ** 2), 2.0 * (x - 1.9), np.zeros(0), np.zeros((0, 1)))
+        return Evaluated(float((x[0] - 1.9) ** 2), 2.0 * (x - 1.9), np.zeros(0), np.zeros((0, 1)))
 
     found = optimise(
         evaluate,

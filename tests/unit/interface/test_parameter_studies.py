@@ -7,7 +7,7 @@ import pytest
 
 import vehicledyn as vd
 from vehicledyn.base.errors import InputError
-from vehicledyn.studies.uncertainty.cases import Cases
+from vehicledyn.studies.uncertainty.cases import RandomCases
 
 pytestmark = [pytest.mark.long, pytest.mark.usefixtures("needs_compiler")]
 
@@ -101,7 +101,7 @@ def test_parameters_are_found_in_a_file_and_another_experiment_foretold(folder):
 def test_a_stopped_study_goes_on_to_the_same_result(folder, monkeypatch):
     """Samples that were kept are not computed again."""
     whole = vd.uncertainty_study(folder / "spread.yaml")
-    new, count = Cases._run, []
+    new, count = RandomCases._run, []
 
     def counted(self, point, **settings):
         count.append(point)
@@ -109,7 +109,7 @@ def test_a_stopped_study_goes_on_to_the_same_result(folder, monkeypatch):
             raise KeyboardInterrupt
         return new(self, point, **settings)
 
-    monkeypatch.setattr(Cases, "_run", counted)
+    monkeypatch.setattr(RandomCases, "_run", counted)
     with pytest.raises(KeyboardInterrupt):
         vd.uncertainty_study(folder / "spread.yaml", save_to=folder / "out.h5")
     again = vd.uncertainty_study(folder / "spread.yaml", save_to=folder / "out.h5", resume=True)

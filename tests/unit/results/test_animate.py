@@ -22,7 +22,7 @@ from vehicledyn.results.animation.animate import (
     read_scenes,
 )
 from vehicledyn.results.animation.frame_state import SceneState
-from vehicledyn.results.animation.packed_columns import Columns, unpack
+from vehicledyn.results.animation.packed_columns import PackedColumns, unpack
 from vehicledyn.results.animation.still import figure_of
 from vehicledyn.results.store import study_reader
 from vehicledyn.results.store.animation_section import Span
@@ -390,7 +390,7 @@ def test_columns():
         (1e6 + walk, 1e-7), (np.empty(0), 0.0), (np.array([-4.0]), 0.0),
         (np.array([1e300, -1e300]), 0.0),
     ]  # fmt: skip
-    columns = Columns()
+    columns = PackedColumns()
     for k, (values, finest) in enumerate(given):
         assert columns.add(values, finest=finest) == k
     found = unpack(json.loads(json.dumps(columns.describe)), columns.packed)

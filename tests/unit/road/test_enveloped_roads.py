@@ -11,7 +11,7 @@ from pydantic import ValidationError
 import vehicledyn.road
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.registry import find
-from vehicledyn.road.ground.enveloping import Cam, Tandem
+from vehicledyn.road.ground.enveloping import EnvelopingCam, Tandem
 from vehicledyn.road.surfaces.enveloped import Enveloped
 from vehicledyn.road.surfaces.obstacles import Obstacles
 from vehicledyn.road.tyres.linear import Linear
@@ -46,7 +46,7 @@ def straight_crg(folder, heights, step):
 def test_the_lift_over_even_corners_is_that_over_any_corners():
     rng = np.random.default_rng(3)
     z = rng.uniform(0.0, 0.03, size=(200, 2))
-    for cam in (Cam(0.4, 0.35, 1.6), Cam(0.2, 0.3, 2.0)):
+    for cam in (EnvelopingCam(0.4, 0.35, 1.6), EnvelopingCam(0.2, 0.3, 2.0)):
         found = cam.even_lift(z, 0.01)
         reach = cam.steps_to_end(0.01)
         x = 0.01 * np.arange(200)
@@ -112,7 +112,7 @@ def test_other_roads_are_felt_as_a_search_finds_them(kind, fields, line):
     ground = find("road", kind)(**fields)
     part = {"first": 1.1, "last": 2.3, "right": line, "left": line + 0.25, "spread": 1.0}
     road = Enveloped(road=ground, step=1e-3, **part, **CAMS)
-    cam = Cam(0.39, 0.37, 1.8)
+    cam = EnvelopingCam(0.39, 0.37, 1.8)
     x, y = ops.symbol("x"), ops.symbol("y")
     height = ops.numeric([x, y], ops.column([ground.height(x, y)]))
     s = np.linspace(-0.39, 0.39, 7801)
@@ -136,7 +136,7 @@ def test_cams_roll_along_the_line_of_a_curved_road(tmp_path):
     ground = find("road", "opencrg")(file=str(path), interpolation="linear")
     road = Enveloped(road=ground, step=2e-3, first=6.0, last=8.4, **CAMS)
     outline = np.array([0.0, 7.0, 7.06, 7.2, 7.26, 12.0]), np.array([0, 0, 0.02, 0.02, 0, 0])
-    tandem = Tandem(Cam(0.39, 0.37, 1.8), 0.096)
+    tandem = Tandem(EnvelopingCam(0.39, 0.37, 1.8), 0.096)
     for u in (6.9, 7.02, 7.3):
         turn = u / 20.0
         place = (20.0 * np.sin(turn), 20.0 * (1.0 - np.cos(turn)))

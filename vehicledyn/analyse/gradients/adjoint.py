@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.analyse.gradients.key_figures import FigureSlope
 from vehicledyn.base.errors import InputError, NumericalError
-from vehicledyn.kernel.back_code import BackCode, Passages
+from vehicledyn.kernel.back_code import BackCode, ReplacedSteps
 from vehicledyn.kernel.engine import Method, Vector
 from vehicledyn.kernel.tangent_code import StepRow, TangentCode
 from vehicledyn.symbolic.equations import Equations
@@ -51,7 +51,7 @@ def figure_adjoint(
     n_intervals: int,
     start: tuple[Vector, Vector],
     figure: Figure,
-    passages: Passages | None = None,
+    passages: ReplacedSteps | None = None,
 ) -> FigureAdjoint:
     """Return the derivatives of a figure; those of the start state are by all states alone.
 

@@ -10,7 +10,7 @@ from vehicledyn.analyse.gradients.motion_course import TangentCourse
 from vehicledyn.analyse.gradients.motion_slopes import CornerPassed
 from vehicledyn.analyse.gradients.motion_stretches import PartitionPiece
 from vehicledyn.base.errors import NumericalError
-from vehicledyn.kernel.back_code import Passage, Passages
+from vehicledyn.kernel.back_code import ReplacedStep, ReplacedSteps
 from vehicledyn.kernel.engine import Vector
 from vehicledyn.kernel.kernel import Kernel
 from vehicledyn.kernel.tangent_code import StepRow, TangentCode
@@ -26,7 +26,7 @@ def corner_passages(
     grid: StepRow,
     start: tuple[Vector, Vector],
     corners: Sequence[CornerPassed],
-) -> Passages:
+) -> ReplacedSteps:
     """Return the steps in which a motion was divided at corners of laws.
 
     Parameters
@@ -44,14 +44,14 @@ def corner_passages(
     piece = PartitionPiece(grid.start, kernel, code)
     course = TangentCourse(piece, grid, start, (by_parameter, by_state), 0)
 
-    def taken(step: int, state: Vector, unknowns: Vector) -> Passage:
+    def taken(step: int, state: Vector, unknowns: Vector) -> ReplacedStep:
         if not course.passes(piece, step, (state, unknowns)):
             raise CornerMissedError(
                 f"the motion has no adjoint over the corner at t = {course.time:.9g} s"
             )
         end, slopes = course.march, course.bundle.state
         parts = slopes[:, :n_x], slopes[:, n_x : n_x + n_p]
-        return Passage(end.state.copy(), end.unknowns.copy(), *parts)
+        return ReplacedStep(end.state.copy(), end.unknowns.copy(), *parts)
 
     step = grid.interval / grid.per_interval
-    return Passages([round((item.time - grid.start) / step) for item in corners], taken)
+    return ReplacedSteps([round((item.time - grid.start) / step) for item in corners], taken)

@@ -15,7 +15,7 @@ from vehicledyn.analyse.gradients.adjoint import figure_adjoint
 from vehicledyn.analyse.gradients.corner_passages import corner_passages
 from vehicledyn.analyse.gradients.key_figures import FigureSlope, figure_slope, moved_slope
 from vehicledyn.analyse.gradients.motion import follow
-from vehicledyn.kernel.back_code import Passages
+from vehicledyn.kernel.back_code import ReplacedSteps
 from vehicledyn.kernel.engine import Vector
 from vehicledyn.kernel.kernel import Kernel
 from vehicledyn.kernel.make_kernel import compile_kernel
@@ -122,7 +122,7 @@ class CurvatureCode:
 
     def _passages(
         self, parameters: Vector, grid: StepRow, n_intervals: int, start: tuple[Vector, Vector]
-    ) -> Passages:
+    ) -> ReplacedSteps:
         """Return the steps with corners of laws, at which the rates of tangents jump."""
         self._kernel = self._kernel or compile_kernel(self._equations, backend="interpreted")
         kernel = self._kernel.with_parameters(parameters)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyse.gradients.corner_steps import CornerSteps, StepParts
-from vehicledyn.analyse.gradients.motion_slopes import CornerPassed, EventSlope, Recorder
+from vehicledyn.analyse.gradients.motion_slopes import CornerPassed, EventSlope, SlopeRecorder
 from vehicledyn.analyse.gradients.motion_stretches import PartitionPiece, Stretch, Where
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.integrate.events import ConsistentPoint, EventMonitor
@@ -50,7 +50,7 @@ class TangentCourse:
         self.events: list[EventSlope] = []
         self.corners: list[CornerPassed] = []
         self.left_whole = False
-        self.record = Recorder(n_channels, self.n)
+        self.record = SlopeRecorder(n_channels, self.n)
         numbers = max(1, by_state.size)
         self.at_once = max(1, min(_AT_ONCE, _MOST_NUMBERS // numbers))
         self._names: list[str] = []
@@ -128,7 +128,7 @@ class TangentCourse:
 
     def stretch(self, count: int) -> Stretch:
         """Return the samples of the next intervals, and where they end."""
-        record = self.record = Recorder(self.record.n_channels, self.n)
+        record = self.record = SlopeRecorder(self.record.n_channels, self.n)
         before = len(self.events), len(self.corners)
         if self.march.step == 0:
             self.sample()

@@ -62,7 +62,7 @@ class MotionSlopes:
 
 
 @dataclass
-class Recorder:
+class SlopeRecorder:
     """Keeps the samples of the first channels and directions."""
 
     n_channels: int

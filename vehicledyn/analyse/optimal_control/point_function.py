@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from vehicledyn.analyse.optimal_control.path_curves import PathCurves
-from vehicledyn.analyse.optimal_control.problem import BEND, RAMP, ControlProblem, Expression
+from vehicledyn.analyse.optimal_control.problem import BEND, RAMP, ControlProblem, PointExpression
 from vehicledyn.analyse.optimal_control.rounded import has_least_or_most, rounded
 from vehicledyn.symbolic.tables import CurveTable
 
@@ -187,7 +187,7 @@ class PointQuantities:
         self._channels = sorted({leaf.index for leaf in leaves if leaf.kind == "channel"})
         self.shown = [problem.equations.output[k] for k in self._channels]
 
-    def value(self, item: Expression, at: dict[str, Any]) -> Any:
+    def value(self, item: PointExpression, at: dict[str, Any]) -> Any:
         """Return an expression at a point: "state", "unknown", "channel", "control", "path".
 
         "all" are the controls with their rates and accelerations.
@@ -223,5 +223,5 @@ class PointQuantities:
 _OF_EXPRESSIONS = ("integral", "square", "final")
 
 
-def _leaves(item: Expression) -> list[Expression]:
+def _leaves(item: PointExpression) -> list[PointExpression]:
     return [leaf for part in item.parts for leaf in _leaves(part)] if item.parts else [item]

@@ -51,7 +51,7 @@ class Control:
 
 
 @dataclass(frozen=True)
-class Expression:
+class PointExpression:
     """A quantity at a point of the motion.
 
     ``kind`` is "state", "unknown", "channel", "control" with their index, "path" with 0 for the
@@ -61,14 +61,14 @@ class Expression:
     name: str
     kind: str
     index: int = -1
-    parts: tuple[Expression, ...] = ()
+    parts: tuple[PointExpression, ...] = ()
 
 
 @dataclass(frozen=True)
 class BoundedExpression:
     """An expression with the bounds it must keep, in SI."""
 
-    what: Expression
+    what: PointExpression
     low: float
     high: float
 

@@ -27,7 +27,7 @@ from vehicledyn.analyse.periodic.cycle_points import (
 from vehicledyn.analyse.periodic.cycles_at import cycle_beside
 from vehicledyn.analyse.periodic.orbit import Orbit
 from vehicledyn.analyse.periodic.orbit_steps import BranchSteps
-from vehicledyn.analyse.periodic.outside_range import Outside
+from vehicledyn.analyse.periodic.outside_range import RangeExcursion
 from vehicledyn.analyse.periodic.special_points import SpecialPoints
 from vehicledyn.base.errors import NumericalError
 
@@ -103,7 +103,7 @@ class _Tracer:
     report: Report
     step: float = _FIRST
     first_size: float = 0.0
-    outside: Outside = field(default_factory=Outside)
+    outside: RangeExcursion = field(default_factory=RangeExcursion)
 
     @property
     def limits(self) -> Limits:

@@ -26,7 +26,7 @@ def outer_range(low: float, high: float) -> tuple[float, float]:
 
 
 @dataclass
-class Outside:
+class RangeExcursion:
     """Where a branch left the range and came back, while it is followed.
 
     ``edges`` are the ends of the range in the order it passed them, ``count`` the number of its

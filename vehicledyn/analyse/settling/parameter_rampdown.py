@@ -28,7 +28,7 @@ _GROWING = 5
 
 
 @dataclass(frozen=True)
-class Lowered:
+class Bracket:
     """The values between which a cycle dies: it lives at the first. None where it does not.
 
     ``reason`` says why a search ended before.
@@ -47,7 +47,7 @@ def lower(
     resolution: float,
     expected: Sequence[float] = (),
     report: Callable[[Settled], None],
-) -> Lowered:
+) -> Bracket:
     """Change the parameter step by step and report each settled cycle; return where it is gone.
 
     A cycle that dies after a large step may live there after small ones, so that each trial
@@ -84,20 +84,20 @@ class _Lowering:
     report: Callable[[Settled], None]
     alive: Settled = field(init=False)
 
-    def run(self, values: list[float], size: float, expected: Sequence[float]) -> Lowered:
+    def run(self, values: list[float], size: float, expected: Sequence[float]) -> Bracket:
         """Return where the cycle dies."""
         left = self._first(values, size)
         if left is None:
-            return Lowered(reason=self._spent() if self.runner.is_spent else "")
+            return Bracket(reason=self._spent() if self.runner.is_spent else "")
         for value in left:
             found = self._next(value)
             if found.ending is Ending.STOPPED:
-                return Lowered(reason=self._stopped(found))
+                return Bracket(reason=self._stopped(found))
             if self.runner.is_spent:
-                return Lowered(reason=self._spent())
+                return Bracket(reason=self._spent())
             if not found.alive:
                 return self._halved(value, left[-1], expected)
-        return Lowered()
+        return Bracket()
 
     def _first(self, values: list[float], size: float) -> list[float] | None:
         """Find the first cycle, that of a disturbance; return the values below, None without.
@@ -118,7 +118,7 @@ class _Lowering:
                 return None
         return None
 
-    def _halved(self, dead: float, last: float, expected: Sequence[float]) -> Lowered:
+    def _halved(self, dead: float, last: float, expected: Sequence[float]) -> Bracket:
         """Return where the cycle dies between that which lives and a value where it does not."""
         hints = self._hints(dead, expected)
         step = 0.5 * (dead - self.alive.value)
@@ -126,17 +126,17 @@ class _Lowering:
             is_hint = bool(hints)
             value = hints.pop(0) if hints else self.alive.value + step
             if (value - last) * step > 0.0:
-                return Lowered()
+                return Bracket()
             found = self._next(value)
             if found.ending is Ending.STOPPED:
-                return Lowered(reason=self._stopped(found))
+                return Bracket(reason=self._stopped(found))
             if self.runner.is_spent:
-                return Lowered(reason=self._spent())
+                return Bracket(reason=self._spent())
             if not found.alive:
                 dead, hints = value, []
             if is_hint or not found.alive:
                 step = (hints[0] if hints else 0.5 * (self.alive.value + dead)) - self.alive.value
-        return Lowered((self.alive.value, dead))
+        return Bracket((self.alive.value, dead))
 
     def _hints(self, dead: float, expected: Sequence[float]) -> list[float]:
         """Return the values beside the nearest one expected on the way to where it is dead."""

@@ -26,7 +26,7 @@ from vehicledyn.analyses.handling.steady_turn import (
     SteadyTurn,
 )
 from vehicledyn.analyses.handling.tested_car import CarPoint
-from vehicledyn.analyses.handling.turn_equations import Turn, TurnOf
+from vehicledyn.analyses.handling.turn_equations import TurnDemand, TurnOf
 from vehicledyn.analyses.handling.turn_limit import limit_value
 from vehicledyn.analyses.handling.turn_paths import TurnPath, followed
 from vehicledyn.base.errors import NumericalError
@@ -234,8 +234,8 @@ def _reason(solver: SteadyTurn, path: TurnPath) -> str:
     return FULL_THROTTLE if is_full else path.reason
 
 
-def _turn(speed: float, lateral: float, along: float) -> Turn:
-    return Turn(speed, "lateral_acceleration", lateral, along)
+def _turn(speed: float, lateral: float, along: float) -> TurnDemand:
+    return TurnDemand(speed, "lateral_acceleration", lateral, along)
 
 
 def _braking(speed: float, lateral: float, first: float, sign: float) -> TurnOf:
@@ -328,7 +328,7 @@ def _braked_from(
 
 def _with_one_locked(
     solver: SteadyTurn,
-    turn: Turn,
+    turn: TurnDemand,
     point: CarPoint,
     path_from: Callable[[float, CarPoint], TurnPath],
 ) -> TurnPath | None:

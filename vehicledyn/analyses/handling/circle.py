@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from vehicledyn.analyses.handling.slow_turn import effective_wheelbase
 from vehicledyn.analyses.handling.steady_turn import SteadyTurn
 from vehicledyn.analyses.handling.tested_car import CarPoint, TestedCar
-from vehicledyn.analyses.handling.turn_equations import Turn, TurnOf
+from vehicledyn.analyses.handling.turn_equations import TurnDemand, TurnOf
 from vehicledyn.analyses.handling.turn_paths import followed
 
 Vector = NDArray[np.float64]
@@ -73,12 +73,12 @@ class SteadyCurve:
 
 def at_speed(speed: float) -> TurnOf:
     """Return the demand of lateral accelerations at a speed [m/s]."""
-    return lambda lateral: Turn(speed, "lateral_acceleration", lateral)
+    return lambda lateral: TurnDemand(speed, "lateral_acceleration", lateral)
 
 
 def on_circle(radius: float) -> TurnOf:
     """Return the demand of lateral accelerations on a circle to the left [m]."""
-    return lambda lateral: Turn(float(np.sqrt(lateral * radius)), "curvature", 1.0 / radius)
+    return lambda lateral: TurnDemand(float(np.sqrt(lateral * radius)), "curvature", 1.0 / radius)
 
 
 def constant_speed(
@@ -114,8 +114,8 @@ def constant_steering(
     or where no turn is found.
     """
 
-    def turn(square: float) -> Turn:
-        return Turn(float(np.sqrt(square)), "steering", angle)
+    def turn(square: float) -> TurnDemand:
+        return TurnDemand(float(np.sqrt(square)), "steering", angle)
 
     squares = np.arange(_SLOWEST**2, min(fastest**2 + _SQUARES, _FASTEST**2), _SQUARES)
     found = [solver.find(turn(squares[0]), solver.straight(_SLOWEST))]
@@ -134,7 +134,7 @@ def constant_steering(
 def _followed(
     solver: SteadyTurn,
     method: str,
-    turn: Callable[[float], Turn],
+    turn: Callable[[float], TurnDemand],
     start: CarPoint,
     *,
     first: float,

@@ -18,7 +18,7 @@ from vehicledyn.analyses.handling.circle import (
     curve_of,
 )
 from vehicledyn.analyses.handling.steady_turn import SteadyTurn
-from vehicledyn.analyses.handling.turn_equations import Turn
+from vehicledyn.analyses.handling.turn_equations import TurnDemand
 from vehicledyn.results.tables.handling_table import KeyFigure
 
 _BEYOND = 0.5
@@ -46,7 +46,7 @@ def gradients_on_circle(
     lateral = circle.values["lateral_acceleration"]
     ends = [
         solver.find(
-            Turn(float(np.sqrt(at * radius)), "curvature", 1.0 / radius),
+            TurnDemand(float(np.sqrt(at * radius)), "curvature", 1.0 / radius),
             circle.points[int(np.argmin(np.abs(lateral - at)))],
         )
         for at in (first, last)

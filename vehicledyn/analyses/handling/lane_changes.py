@@ -8,7 +8,7 @@ from collections.abc import Callable
 from vehicledyn.analyses.handling.standard_tests import SPLIT_SPEED, StandardTests
 from vehicledyn.analyses.handling.test_run import DrivenTest, drive, figures_of, sheet_of
 from vehicledyn.analyses.handling.tested_car import TestedCar
-from vehicledyn.analyses.handling.turn_equations import Turn
+from vehicledyn.analyses.handling.turn_equations import TurnDemand
 from vehicledyn.analyses.handling.turn_paths import reached
 from vehicledyn.kernel.make_kernel import Backend
 from vehicledyn.results.tables.handling_table import KeyFigure
@@ -128,8 +128,8 @@ def driver_of(tests: StandardTests, speed: float, preview: float = _PREVIEW_TIME
     solver, vehicle = tests.solver, tests.solver.car.vehicle
     straight = solver.car.outputs(tests.straight_at(speed))
 
-    def turn(lateral: float) -> Turn:
-        return Turn(speed, "lateral_acceleration", lateral)
+    def turn(lateral: float) -> TurnDemand:
+        return TurnDemand(speed, "lateral_acceleration", lateral)
 
     start = tests.straight_at(speed)
     gentle = solver.car.outputs(reached(solver, turn, _GENTLE, start, steps=1))

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.analyses.handling.steady_turn import SteadyTurn
 from vehicledyn.analyses.handling.tested_car import CarPoint
-from vehicledyn.analyses.handling.turn_equations import Turn
+from vehicledyn.analyses.handling.turn_equations import TurnDemand
 
 Array = NDArray[np.float64]
 
@@ -22,7 +22,7 @@ _CURVATURES = (0.01, 0.02)
 """Circles whose difference counts, so that what a sliding differential adds drops out [1/m]."""
 
 
-def slow_turns(solver: SteadyTurn) -> list[tuple[Turn, CarPoint]]:
+def slow_turns(solver: SteadyTurn) -> list[tuple[TurnDemand, CarPoint]]:
     """Return the turns that the effective wheelbase follows from, at each speed both circles.
 
     Raises
@@ -34,7 +34,7 @@ def slow_turns(solver: SteadyTurn) -> list[tuple[Turn, CarPoint]]:
     for speed in _SPEEDS:
         point = solver.straight(speed)
         for curvature in _CURVATURES:
-            turn = Turn(speed, "curvature", curvature)
+            turn = TurnDemand(speed, "curvature", curvature)
             point = solver.find(turn, point)
             found.append((turn, point))
     return found

@@ -22,7 +22,7 @@ from vehicledyn.analyses.handling.steady_turn import SteadyTurn
 from vehicledyn.analyses.handling.test_run import DrivenTest, drive, figures_of, sheet_of
 from vehicledyn.analyses.handling.tested_car import CarPoint
 from vehicledyn.analyses.handling.tip_up_search import tip_up_search
-from vehicledyn.analyses.handling.turn_equations import Turn
+from vehicledyn.analyses.handling.turn_equations import TurnDemand
 from vehicledyn.analyses.handling.turn_paths import reached
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.results.tables.handling_table import KeyFigure, Sheet
@@ -218,7 +218,7 @@ class StandardTests:
     def braking(self) -> None:
         """Brake in a turn of 100 m at 5 m/s², and on the straight from 100 km/h."""
         speed = math.sqrt(self._level("braking in a turn", 5.0, 0.7) * 100.0)
-        start = self._near(speed, Turn(speed, "curvature", 0.01))
+        start = self._near(speed, TurnDemand(speed, "curvature", 0.01))
         torque = self._brake_torque(speed, 4.0)
         angle = float(start.parameters[self.solver.car.table_places("test.steering.angle")[0]])
         test = BrakingInTurn(
@@ -313,11 +313,11 @@ class StandardTests:
             self._straight[speed] = self.solver.straight(speed)
         return self._straight[speed]
 
-    def _near(self, speed: float, turn: Turn) -> CarPoint:
+    def _near(self, speed: float, turn: TurnDemand) -> CarPoint:
         """Return a turn, reached from straight running in steps."""
 
-        def part(value: float) -> Turn:
-            return Turn(turn.speed, turn.demand, value, turn.acceleration)
+        def part(value: float) -> TurnDemand:
+            return TurnDemand(turn.speed, turn.demand, value, turn.acceleration)
 
         return reached(self.solver, part, turn.value, self.straight_at(speed), steps=5)
 
@@ -338,7 +338,7 @@ class StandardTests:
 
     def _angle(self, speed: float, lateral: float) -> float:
         """Return the steering-wheel angle of a steady turn beyond that of straight running."""
-        point = self._near(speed, Turn(speed, "lateral_acceleration", lateral))
+        point = self._near(speed, TurnDemand(speed, "lateral_acceleration", lateral))
         ratio = self.solver.car.table_places("test.steering.angle")[0]
         return float(point.parameters[ratio])
 
@@ -350,8 +350,8 @@ class StandardTests:
     ) -> tuple[float, float]:
         """Return the torque for a deceleration, or for the part that brakes reach, and that."""
 
-        def turn(size: float) -> Turn:
-            return Turn(speed, "steering", 0.0, -size)
+        def turn(size: float) -> TurnDemand:
+            return TurnDemand(speed, "steering", 0.0, -size)
 
         size = parts[0] * deceleration
         try:

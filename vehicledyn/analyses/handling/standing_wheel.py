@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyse.newton import Evaluate, solve_damped
-from vehicledyn.analyses.handling.steady_turn import BALANCED, ITERATIONS, Search, SteadyTurn
+from vehicledyn.analyses.handling.steady_turn import BALANCED, ITERATIONS, SteadyTurn, TurnSearch
 from vehicledyn.analyses.handling.tested_car import CarPoint
-from vehicledyn.analyses.handling.turn_equations import Turn
+from vehicledyn.analyses.handling.turn_equations import TurnDemand
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.road.vehicle import Corner
 
@@ -26,7 +26,7 @@ _ROUNDS = 4
 
 
 def with_wheel_standing(
-    solver: SteadyTurn, turn: Turn, point: CarPoint, corner: Corner
+    solver: SteadyTurn, turn: TurnDemand, point: CarPoint, corner: Corner
 ) -> CarPoint:
     """Return the turn of a demand in which a wheel stands, near one in which it rolls.
 
@@ -38,7 +38,7 @@ def with_wheel_standing(
     return solver.find(turn, _near(solver, turn, point, corner))
 
 
-def _near(solver: SteadyTurn, turn: Turn, point: CarPoint, corner: Corner) -> CarPoint:
+def _near(solver: SteadyTurn, turn: TurnDemand, point: CarPoint, corner: Corner) -> CarPoint:
     """Return a point at which the wheel stands and the car is nearly balanced."""
     states, search = solver.states, solver.search(turn, point)
     x, spin = solver.unknowns(turn, point), solver.car.state(f"{corner.spin}_rate")
@@ -67,7 +67,7 @@ def _near(solver: SteadyTurn, turn: Turn, point: CarPoint, corner: Corner) -> Ca
 class _Part:
     """Some rows of a search for a turn, by as many of its unknowns."""
 
-    search: Search
+    search: TurnSearch
     rows: list[int]
     places: list[int]
 

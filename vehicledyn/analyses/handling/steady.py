@@ -29,7 +29,7 @@ from vehicledyn.analyses.handling.steady_turn import (
     SteadyTurn,
     solver_for,
 )
-from vehicledyn.analyses.handling.test_run import Drive
+from vehicledyn.analyses.handling.test_run import DriveRecord
 from vehicledyn.analyses.handling.tested_car import CONTROL, CarPoint, TestedCar
 from vehicledyn.analyses.handling.yaw_moment import REASONS, YawMoments, yaw_moments
 from vehicledyn.analyses.preparation.model_hash import model_facts
@@ -96,7 +96,7 @@ def memory_of(car: TestedCar, kept: KeptWork | None, *wishes: Any) -> Memory:
     """Return the memory of the turns and drives of a car, for a computation that is wished."""
     facts = model_facts(car.equations, car.kernel.parameters)
     given = wishes, facts, car.kernel.backend
-    return (kept or KeptWork()).memory(*given, kinds=(CarPoint, Drive))
+    return (kept or KeptWork()).memory(*given, kinds=(CarPoint, DriveRecord))
 
 
 def steady_sheets(solver: SteadyTurn, wish: SteadyRequest, progress: Progress) -> HandlingTable:

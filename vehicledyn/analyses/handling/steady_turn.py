@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from vehicledyn.analyse.newton import solve_damped
 from vehicledyn.analyses.handling.switches import Switches
 from vehicledyn.analyses.handling.tested_car import CarPoint, TestedCar
-from vehicledyn.analyses.handling.turn_equations import Turn, TurnEquations, TurnOf
+from vehicledyn.analyses.handling.turn_equations import TurnDemand, TurnEquations, TurnOf
 from vehicledyn.analyses.handling.turn_states import TurnStates
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.road.manoeuvres.speed_control import SpeedControl
@@ -86,7 +86,7 @@ class SteadyTurn:
         if self.states.pedal is not None:
             state[self.states.pedal] = _TOUCH  # without throttle the torque has a kink
         guess = CarPoint(self._with_shafts(state, start), start.unknowns, start.parameters)
-        return self.find(Turn(speed, "steering", 0.0), guess)
+        return self.find(TurnDemand(speed, "steering", 0.0), guess)
 
     def _with_shafts(self, state: Vector, at: CarPoint) -> Vector:
         """Return a state with the shafts of the driveline turning as its wheels drive them.
@@ -112,7 +112,7 @@ class SteadyTurn:
     def _twisting(self, state: Vector, at: CarPoint) -> Vector:
         return self.car.rates(state, at.unknowns)[0][self.states.further]
 
-    def find(self, turn: Turn, guess: CarPoint) -> CarPoint:
+    def find(self, turn: TurnDemand, guess: CarPoint) -> CarPoint:
         """Return the steady turn near a guess, in the gear that the car drives it in.
 
         Raises
@@ -123,7 +123,7 @@ class SteadyTurn:
         given = turn, guess
         return self.car.memory.recall_or_raise("turn", given, lambda: self._find(turn, guess))
 
-    def _find(self, turn: Turn, guess: CarPoint) -> CarPoint:
+    def _find(self, turn: TurnDemand, guess: CarPoint) -> CarPoint:
         for _ in range(_CHANGES):
             found = self._balance(turn, guess)
             changed = self._switches.settled(found)
@@ -136,7 +136,7 @@ class SteadyTurn:
             "balance, as a gearbox does that changes up and down at this speed"
         )
 
-    def _balance(self, turn: Turn, guess: CarPoint) -> CarPoint:
+    def _balance(self, turn: TurnDemand, guess: CarPoint) -> CarPoint:
         search = self.search(turn, guess)
         found = solve_damped(
             search.evaluate,
@@ -204,7 +204,13 @@ class SteadyTurn:
 
     @staticmethod
     def _beyond_along(
-        search: Search, turn: TurnOf, last: Vector, way: Vector, *, scale: Vector, highest: float
+        search: TurnSearch,
+        turn: TurnOf,
+        last: Vector,
+        way: Vector,
+        *,
+        scale: Vector,
+        highest: float,
     ) -> tuple[float, CarPoint] | None:
         """Return the next turn and its value by a way in the scale of the unknowns."""
         length = float(np.linalg.norm(way))
@@ -232,11 +238,11 @@ class SteadyTurn:
                 return value, search.point(found.point[:-1])
         return None
 
-    def search(self, turn: Turn, point: CarPoint) -> Search:
+    def search(self, turn: TurnDemand, point: CarPoint) -> TurnSearch:
         """Return the search for a turn that begins at a point."""
-        return Search(self._equations, turn, point)
+        return TurnSearch(self._equations, turn, point)
 
-    def orientation(self, turn: Turn, point: CarPoint) -> int:
+    def orientation(self, turn: TurnDemand, point: CarPoint) -> int:
         """Return the sign of the Jacobian's determinant, which changes where a curve comes back."""
 
         def sign() -> int:
@@ -245,7 +251,7 @@ class SteadyTurn:
 
         return self.car.memory.recall("orientation", (turn, point), sign)
 
-    def slip_growth(self, turn: Turn, point: CarPoint) -> dict[str, float]:
+    def slip_growth(self, turn: TurnDemand, point: CarPoint) -> dict[str, float]:
         """Return how slips grow along a curve of turns with its value, in units of the value.
 
         They are those of the front wheels across, by the steering angle less the side-slip angle
@@ -295,7 +301,7 @@ class SteadyTurn:
         corners = self.car.vehicle.corners
         return max(outputs[f"{corner.name}.tyre.longitudinal_slip"] for corner in corners)
 
-    def unknowns(self, turn: Turn, point: CarPoint) -> Vector:
+    def unknowns(self, turn: TurnDemand, point: CarPoint) -> Vector:
         """Return the unknowns of the search for a turn at a point, shape (n_unknowns,)."""
         return self._equations.unknowns(turn, point)
 
@@ -323,23 +329,23 @@ def solver_for(car: TestedCar) -> SteadyTurn:
     return solver
 
 
-def drive_turns(solver: SteadyTurn) -> list[tuple[Turn, CarPoint]]:
+def drive_turns(solver: SteadyTurn) -> list[tuple[TurnDemand, CarPoint]]:
     """Return the motions straight ahead from which the drive of the speed controller is measured.
 
     One holds its speed, the other gains :data:`DRIVEN_BY`.
     """
     point, found = solver.straight(_USUAL_SPEED), []
     for acceleration in (0.0, DRIVEN_BY):
-        turn = Turn(_USUAL_SPEED, "steering", 0.0, acceleration)
+        turn = TurnDemand(_USUAL_SPEED, "steering", 0.0, acceleration)
         point = solver.find(turn, point) if acceleration else point
         found.append((turn, point))
     return found
 
 
-class Search:
+class TurnSearch:
     """Residual and Jacobian of the search for one turn; the loops stay closed on the way."""
 
-    def __init__(self, equations: TurnEquations, turn: Turn, start: CarPoint) -> None:
+    def __init__(self, equations: TurnEquations, turn: TurnDemand, start: CarPoint) -> None:
         self.turn = turn
         self._equations, self._point = equations, start
 

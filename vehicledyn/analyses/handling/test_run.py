@@ -21,7 +21,7 @@ INTERVAL, STEP = 0.01, 1e-3
 
 
 @dataclass(frozen=True)
-class Drive:
+class DriveRecord:
     """Times [s], channels of shape (n_times, n_channels), and what ended the test early."""
 
     times: np.ndarray
@@ -96,7 +96,7 @@ def drive(
     return DrivenTest(test, recording, signals, driven.ended_by)
 
 
-def _driven(car: TestedCar, start: CarPoint, duration: float) -> Drive:
+def _driven(car: TestedCar, start: CarPoint, duration: float) -> DriveRecord:
     """Return what the car does from its start with the parameters that are set."""
     samples, ended_by = _Samples(), ""
     try:
@@ -114,7 +114,7 @@ def _driven(car: TestedCar, start: CarPoint, duration: float) -> Drive:
         ended_by = statistics.ended_by or ""
     except NumericalError as error:
         ended_by = str(error)
-    return Drive(np.concatenate(samples.times), np.vstack(samples.outputs), ended_by)
+    return DriveRecord(np.concatenate(samples.times), np.vstack(samples.outputs), ended_by)
 
 
 def figures_of(car: TestedCar, name: str, run: DrivenTest) -> list[KeyFigure]:

@@ -37,7 +37,7 @@ _DEMANDS = ("steering", "lateral_acceleration", "curvature", "sideslip")
 
 
 @dataclass(frozen=True)
-class Turn:
+class TurnDemand:
     """A demand on a steady turn at a speed along the path [m/s].
 
     ``value`` is the steering angle [rad], the lateral acceleration r v [m/s²] or the curvature r/v
@@ -53,7 +53,7 @@ class Turn:
     sideslip: float | None = None
 
 
-TurnOf = Callable[[float], Turn]
+TurnOf = Callable[[float], TurnDemand]
 """The demand on a turn of a value, such as a lateral acceleration."""
 
 
@@ -112,7 +112,7 @@ class TurnEquations:
         is_compiled = self._car.kernel.backend == "compiled"
         return LocalSlopes(rows, moving, still, e.tables, compiled=is_compiled)
 
-    def unknowns(self, turn: Turn, point: CarPoint) -> Vector:
+    def unknowns(self, turn: TurnDemand, point: CarPoint) -> Vector:
         """Return the unknowns of the search for a turn at a point, shape (n_unknowns,)."""
         s = self._states
         drive = point.state[s.integral if s.pedal is None else s.pedal]
@@ -121,7 +121,7 @@ class TurnEquations:
             drive = -braked
         return np.concatenate([point.state[s.free], [point.parameters[self._angle[0]], drive]])
 
-    def moved(self, turn: Turn, point: CarPoint, x: Vector) -> CarPoint:
+    def moved(self, turn: TurnDemand, point: CarPoint, x: Vector) -> CarPoint:
         """Return a point with the unknowns of a turn put in, and its loops closed.
 
         Raises
@@ -143,7 +143,7 @@ class TurnEquations:
         car.kernel.set_parameters(parameters)
         return CarPoint(state, car.rates(state, point.unknowns)[1], parameters)
 
-    def at(self, turn: Turn, point: CarPoint, x: Vector) -> tuple[Vector, Vector]:
+    def at(self, turn: TurnDemand, point: CarPoint, x: Vector) -> tuple[Vector, Vector]:
         """Return what is unbalanced at a point with its unknowns, and the derivatives.
 
         The columns are those of the unknowns, then those of the speed and acceleration of the turn
@@ -220,7 +220,7 @@ class TurnEquations:
         return np.asarray(column)
 
 
-def _split(turn: Turn, drive: float) -> tuple[float, float]:
+def _split(turn: TurnDemand, drive: float) -> tuple[float, float]:
     """Return what drives and the torque of the brakes [N m].
 
     Where the tyres slow the car more than wanted, it is the drive that acts.

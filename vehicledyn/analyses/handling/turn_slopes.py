@@ -17,7 +17,7 @@ from vehicledyn.analyses.handling.circle import QUANTITIES, channels_described, 
 from vehicledyn.analyses.handling.slow_turn import slope_at_rest, slow_turns
 from vehicledyn.analyses.handling.steady_turn import SteadyTurn
 from vehicledyn.analyses.handling.tested_car import CarPoint
-from vehicledyn.analyses.handling.turn_equations import BRAKE_SCALE, Turn, TurnOf
+from vehicledyn.analyses.handling.turn_equations import BRAKE_SCALE, TurnDemand, TurnOf
 from vehicledyn.analyses.handling.turn_limit import TurnCorner, TurnLimit
 from vehicledyn.analyses.preparation.build_model import build_subject
 from vehicledyn.base.errors import NumericalError
@@ -81,7 +81,7 @@ class TurnSlopes:
         self._angle = car.table_places("test.steering.angle")
         self._brake = car.table_places("test.brake_torque")
 
-    def at(self, turn: Turn, point: CarPoint, *, asked: Vector | None = None) -> Vector:
+    def at(self, turn: TurnDemand, point: CarPoint, *, asked: Vector | None = None) -> Vector:
         """Return the quantities of a turn and their derivatives, without understeer angle.
 
         Parameters
@@ -125,7 +125,7 @@ class TurnSlopes:
         return np.where(np.ptp(rows, axis=0) <= _ALIKE * np.maximum(size, 1.0), 0.0, np.nan)
 
     def quantity(
-        self, name: str, turn: Turn, point: CarPoint, *, asked: Vector | None = None
+        self, name: str, turn: TurnDemand, point: CarPoint, *, asked: Vector | None = None
     ) -> Vector:
         """Return a quantity of a turn and its derivatives, (1 + n_parameters,)."""
         return self.named(name, self.at(turn, point, asked=asked))
@@ -136,7 +136,7 @@ class TurnSlopes:
             return self._understeer(quantities)
         return quantities[:, TURNED.index(name)]
 
-    def yaw_acceleration(self, turn: Turn, point: CarPoint) -> Vector:
+    def yaw_acceleration(self, turn: TurnDemand, point: CarPoint) -> Vector:
         """Return the yaw acceleration of a car that is held, and its derivatives [rad/s²]."""
         moves, row = self.moves(turn, point), self.solver.states.motion[2]
         slope = moves.total.rates[row] @ moves.state
@@ -175,7 +175,7 @@ class TurnSlopes:
 
     def moves(
         self,
-        turn: Turn,
+        turn: TurnDemand,
         point: CarPoint,
         *,
         asked: Vector | None = None,
@@ -264,7 +264,9 @@ class TurnSlopes:
             state[s.integral] = pressed * (by_full - share * given[place]) / gain
         return total, state, share
 
-    def _pushed(self, turn: Turn, total: TotalDerivatives, state: Vector, given: Vector) -> Vector:
+    def _pushed(
+        self, turn: TurnDemand, total: TotalDerivatives, state: Vector, given: Vector
+    ) -> Vector:
         """Return the derivatives of what is unbalanced by the car's parameters, (size, n)."""
         states = self.solver.states
         balanced = states.balanced

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from vehicledyn.analyses.handling.acceleration_limits import ENDS, LARGEST_FORCE
 from vehicledyn.analyses.handling.steady_turn import FULL_THROTTLE, WHEEL_SPIN, SteadyTurn
 from vehicledyn.analyses.handling.tested_car import CarPoint
-from vehicledyn.analyses.handling.turn_equations import Turn
+from vehicledyn.analyses.handling.turn_equations import TurnDemand
 from vehicledyn.analyses.handling.turn_paths import followed, reached
 from vehicledyn.base.errors import NumericalError
 
@@ -97,11 +97,11 @@ def held_turns(
     Each is followed from the one before.
     """
 
-    def steered(value: float) -> Turn:
-        return Turn(speed, "steering", value, sideslip=0.0)
+    def steered(value: float) -> TurnDemand:
+        return TurnDemand(speed, "steering", value, sideslip=0.0)
 
-    def turned(size: float) -> Turn:
-        return Turn(speed, "steering", angle, sideslip=side * size)
+    def turned(size: float) -> TurnDemand:
+        return TurnDemand(speed, "steering", angle, sideslip=side * size)
 
     found: list[CarPoint] = []
     try:

@@ -23,7 +23,7 @@ from vehicledyn.analyses.mechanism.instant_axes import (
     wheel_columns,
 )
 from vehicledyn.analyses.mechanism.kinematics_report import SHOWN, KinematicsReport
-from vehicledyn.analyses.mechanism.mechanism_path import Drive, Sweep, run_sweep
+from vehicledyn.analyses.mechanism.mechanism_path import PathDrive, Sweep, run_sweep
 from vehicledyn.analyses.preparation.build_model import build_subject
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.analyses.preparation.target_digest import digests_to_keep
@@ -157,12 +157,12 @@ def _check_names(positions: Positions, request: Request) -> None:
             raise InputError(f"{argument('hold')}: {unknown_name('coordinate', name, coordinates)}")
 
 
-def _drives(positions: Positions, request: Request) -> list[Drive]:
+def _drives(positions: Positions, request: Request) -> list[PathDrive]:
     units = {c.name: c.unit for c in positions.channels}
     found = []
     for name, text in request.drives.items():
         try:
-            found.append(Drive(name, read_range(text).values(units[name])))
+            found.append(PathDrive(name, read_range(text).values(units[name])))
         except InputError as error:
             raise InputError(f"drive of '{name}': {error}") from None
     lengths = {len(drive.values) for drive in found if len(drive.values) > 1}
@@ -172,7 +172,9 @@ def _drives(positions: Positions, request: Request) -> list[Drive]:
         listed = ", ".join(str(length - 1) for length in sorted(lengths))
         raise InputError(f"drives that move together need the same number of steps, not {listed}")
     count = max(lengths, default=1)
-    return [Drive(d.channel, d.values * count if len(d.values) == 1 else d.values) for d in found]
+    return [
+        PathDrive(d.channel, d.values * count if len(d.values) == 1 else d.values) for d in found
+    ]
 
 
 class _Columns:

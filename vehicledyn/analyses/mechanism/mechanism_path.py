@@ -28,7 +28,7 @@ Progress = Callable[[str, float | None], None]
 
 
 @dataclass(frozen=True)
-class Drive:
+class PathDrive:
     """A coordinate or another channel and the values it is given one after the other, in SI."""
 
     channel: str
@@ -39,7 +39,7 @@ _Seen = tuple[Array, Array | None]
 
 
 @dataclass(frozen=True)
-class Sample:
+class PathSample:
     """One place of a sweep: its number in the grid, all channels, velocity ratios.
 
     ``ratios`` are the derivatives of the channels, and of the velocities, by each drive, shape
@@ -65,7 +65,7 @@ class Finding:
 class Sweep:
     """Samples in the order of the grid, singular places, and what could not be reached."""
 
-    samples: list[Sample] = field(default_factory=list)
+    samples: list[PathSample] = field(default_factory=list)
     singular: list[Finding] = field(default_factory=list)
     failures: list[Finding] = field(default_factory=list)
     is_interrupted: bool = False
@@ -73,7 +73,7 @@ class Sweep:
 
 def run_sweep(
     machine: Mechanism,
-    drives: Sequence[Drive],
+    drives: Sequence[PathDrive],
     *,
     together: bool,
     progress: Progress = lambda text, part: None,
@@ -104,7 +104,7 @@ class _Explorer:
     def __init__(
         self,
         machine: Mechanism,
-        drives: Sequence[Drive],
+        drives: Sequence[PathDrive],
         together: bool,
         progress: Progress,
         memory: Memory,
@@ -239,13 +239,13 @@ class _Explorer:
             f"{c.name} = {_shown(v, c.unit)}" for c, v in zip(channels, values, strict=True)
         )
 
-    def _sample(self, index: tuple[int, ...]) -> Sample:
+    def _sample(self, index: tuple[int, ...]) -> PathSample:
         values, ratios = self.seen[index]
         if ratios is None:
             self._note_singular(self.solved[index])
             width = len(values) + len(self.machine.positions.speeds)
             ratios = np.full((len(self.machine.drives), width), np.nan)
-        return Sample(index, self.machine.full(self.solved[index]), values, ratios)
+        return PathSample(index, self.machine.full(self.solved[index]), values, ratios)
 
     def _seen(self, u: Array) -> _Seen:
         """Return all channels at a place, and the velocity ratios, None where it is singular."""

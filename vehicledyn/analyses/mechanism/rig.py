@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.analyses.mechanism.rig_bench import Bench
 from vehicledyn.analyses.mechanism.rig_corners import RigCorners
-from vehicledyn.analyses.mechanism.rig_quantities import Place
+from vehicledyn.analyses.mechanism.rig_quantities import WheelPlace
 from vehicledyn.analyses.mechanism.rig_report import RigReport, corner_notes, figures
 from vehicledyn.analyses.mechanism.rig_tests import TESTS, RigTest, of_one_wheel
 from vehicledyn.analyses.preparation.prepared import Progress
@@ -233,10 +233,10 @@ def _found(bench: Bench, test: RigTest, value: float) -> Array:
 def _steered(
     bench: Bench,
     corner: int,
-    place: Place,
+    place: WheelPlace,
     seen: Mapping[str, complex],
     slopes: tuple[Mapping[str, complex], Mapping[str, complex]],
-) -> Place:
+) -> WheelPlace:
     """Return a wheel that also knows how it steers while its spring keeps its length."""
     by_steering, by_travel = slopes
     spring = max(bench.lengths, key=lambda name: abs(by_travel[name]), default=None)
@@ -249,7 +249,7 @@ def _steered(
 
 def _place(
     bench: Bench, corner: int, seen: Mapping[str, complex], slopes: Mapping[str, complex]
-) -> Place:
+) -> WheelPlace:
     head = f"{bench.corners[corner].name}."
     values, changes = (
         {n.removeprefix(head): x for n, x in given.items() if n.startswith(head)}
@@ -257,7 +257,9 @@ def _place(
         for given in (seen, slopes)
     )
     is_left = bench.corners[corner].side == "left"
-    return Place(is_left, values, changes, bench.turn(corner, seen), bench.turn(corner, slopes))
+    return WheelPlace(
+        is_left, values, changes, bench.turn(corner, seen), bench.turn(corner, slopes)
+    )
 
 
 def _axle(

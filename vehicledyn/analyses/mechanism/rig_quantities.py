@@ -36,7 +36,7 @@ Array = NDArray[Any]
 
 
 @dataclass(frozen=True)
-class Place:
+class WheelPlace:
     """A wheel at a place of the test, and how it changes with the control.
 
     Attributes
@@ -56,7 +56,7 @@ class Place:
     slopes: Mapping[str, complex]
     turn: Array
     turn_slope: Array
-    steered: Place | None = None
+    steered: WheelPlace | None = None
 
     def point(self, head: str) -> Array:
         """Return the wheel centre (""), or contact point ("contact_") [m]."""
@@ -84,7 +84,7 @@ class Place:
 
 @dataclass(frozen=True)
 class RigQuantity:
-    """A quantity of a wheel on the rig; ``value`` takes the :class:`Place`.
+    """A quantity of a wheel on the rig; ``value`` takes the :class:`WheelPlace`.
 
     It is analytic in the numbers of the place, so that steps into the complex plane differentiate
     it.
@@ -93,7 +93,7 @@ class RigQuantity:
     name: str
     unit: str
     description: str
-    value: Callable[[Place], complex]
+    value: Callable[[WheelPlace], complex]
 
 
 def _value(channel: str, unit: str, text: str) -> RigQuantity:
@@ -104,30 +104,30 @@ def _slope(name: str, channel: str, unit: str, text: str, factor: float = 1.0) -
     return RigQuantity(name, unit, text, lambda place: factor * place.slopes[channel])
 
 
-def _roll_centre(place: Place) -> complex:
+def _roll_centre(place: WheelPlace) -> complex:
     v, y = place.contact_motion, place.values["contact_y"]
     return complex(np.divide(y * v[1], v[2]))
 
 
-def _braking(place: Place) -> complex:
+def _braking(place: WheelPlace) -> complex:
     v = place.contact_motion
     return complex(np.arctan(np.divide(v[0], v[2])))
 
 
-def _driving(place: Place) -> complex:
+def _driving(place: WheelPlace) -> complex:
     v = place.centre_motion
     return complex(np.arctan(np.divide(-v[0], v[2])))
 
 
-def _named(name: str) -> Callable[[Place], complex]:
+def _named(name: str) -> Callable[[WheelPlace], complex]:
     """Return a quantity of the steering axis that the sensor names, not a number without one."""
     return lambda place: place.values.get(name, float("nan"))
 
 
-def _instant(number: int, name: str) -> Callable[[Place], complex]:
+def _instant(number: int, name: str) -> Callable[[WheelPlace], complex]:
     """Return a quantity of the named steering axis, else of the instant axis."""
 
-    def value(place: Place) -> complex:
+    def value(place: WheelPlace) -> complex:
         if name in place.values:
             return place.values[name]
         wheel = WheelColumns("", place.is_left, (0, 1, 2), (3, 4, 5), 6, (0, 1, 2), (3, 4, 5))

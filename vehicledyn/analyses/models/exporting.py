@@ -16,7 +16,7 @@ from vehicledyn.analyses.preparation.prepared import Prepared, Progress
 from vehicledyn.codegen.printers.cuda_source import cuda_source
 from vehicledyn.export.document import ExportedStart
 from vehicledyn.export.files import SUFFIXES, export_files, file_of, write_text
-from vehicledyn.export.fmi_description import Experiment
+from vehicledyn.export.fmi_description import RunDefaults
 from vehicledyn.export.fmu import export_fmu
 from vehicledyn.files.scenario.target import Target
 from vehicledyn.multibody.equations.equation_terms import derive_ingredients
@@ -90,6 +90,6 @@ def _point(target: Target, prepared: Prepared) -> AssembledPoint:
     return start_point(prepared, chosen.speed or 0.0, chosen.start)
 
 
-def _experiment(target: Target) -> Experiment:
+def _experiment(target: Target) -> RunDefaults:
     chosen = target.choices
-    return Experiment() if chosen is None else Experiment(chosen.duration, chosen.output.interval)
+    return RunDefaults() if chosen is None else RunDefaults(chosen.duration, chosen.output.interval)

@@ -45,7 +45,7 @@ def suitable_residuals(equations: Equations) -> MotionResiduals | None:
 
 
 @dataclass(frozen=True)
-class Solution:
+class StageSolution:
     """Steps on the results of a program in their places, one after the other.
 
     Step k multiplies result ``out[k]`` by the weight ``scales[k]`` and adds the products of the
@@ -60,7 +60,7 @@ class Solution:
 
 
 _NOTHING = np.zeros(0, dtype=np.int32)
-NO_STEPS = Solution(_NOTHING, _NOTHING, np.zeros(1, dtype=np.int32), _NOTHING, _NOTHING)
+NO_STEPS = StageSolution(_NOTHING, _NOTHING, np.zeros(1, dtype=np.int32), _NOTHING, _NOTHING)
 """The solution of results that are found already."""
 
 
@@ -78,7 +78,7 @@ class StageProgram:
     program: LinearProgram
     n_unknowns: int
     accelerated: tuple[int, ...]
-    solution: Solution
+    solution: StageSolution
 
     @property
     def n_weights(self) -> int:
@@ -189,10 +189,10 @@ def _factors(mass: Any) -> Condensed:
     return condense_symmetric(rows, [0.0] * len(rows), ())
 
 
-def _solution(steps: list[_Step], before: int, writer: Writer, n_inverse: int) -> Solution:
+def _solution(steps: list[_Step], before: int, writer: Writer, n_inverse: int) -> StageSolution:
     """Return steps on results, behind some before them, as lists of numbers."""
     entries = [item for _, _, own in steps for item in own]
-    return Solution(
+    return StageSolution(
         np.array([before + out for out, _, _ in steps], dtype=np.int32),
         writer.places([place for _, place, _ in steps], n_inverse),
         np.cumsum([0, *[len(own) for _, _, own in steps]], dtype=np.int32),

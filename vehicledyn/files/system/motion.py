@@ -19,7 +19,7 @@ from vehicledyn.files.system.checks.variables import Variables
 from vehicledyn.files.system.joints import Coordinate
 from vehicledyn.files.system.laws import TimeLaw
 from vehicledyn.files.system.sets import DriveSet, SystemFile
-from vehicledyn.files.system.walk import Reference, walk
+from vehicledyn.files.system.walk import NameUse, walk
 
 Problems = list[tuple[Place, str]]
 
@@ -76,7 +76,7 @@ def _wrong_units(
     file = SystemFile(title="", drives={"motion": DriveSet(coordinate=name, law=law)})
     problems = []
     for item in walk(file, coordinates):
-        if isinstance(item, Reference) or item.place[0] != "drives":
+        if isinstance(item, NameUse) or item.place[0] != "drives":
             continue
         extra = variables.of(item.variables, item.length, item.points)
         try:

@@ -17,7 +17,7 @@ from vehicledyn.files.scenario.referenced_files import beside
 from vehicledyn.files.scenario.sources import Sources
 from vehicledyn.files.system import changes
 from vehicledyn.files.system.assemblies import read as assemblies
-from vehicledyn.files.system.assemblies.flat import Flat, flatten
+from vehicledyn.files.system.assemblies.flat import FlatFile, flatten
 from vehicledyn.files.system.assemblies.instances import interface_problems
 from vehicledyn.files.system.assemblies.read import Library, Use
 from vehicledyn.files.system.assemblies.repeat import Expansion, expand
@@ -42,7 +42,7 @@ class Reading:
         self.texts = {self.path: document.text}
         self.problems = list(document.problems)
         self.expansion: Expansion = expand(document.data)
-        self.flat = Flat({})
+        self.flat = FlatFile({})
         self.uses: list[Use] = []
         self._open_assemblies(library)
         for inner, words in given_twice(self.expansion.data.get("initial")):

@@ -38,7 +38,7 @@ class PlacedExpression:
 
 
 @dataclass(frozen=True)
-class Reference:
+class NameUse:
     """A name of a body or coordinate that a part gives, and where."""
 
     place: Place
@@ -68,7 +68,7 @@ class _Units:
 
 def walk(
     file: SystemFile, coordinates: dict[str, Coordinate]
-) -> Iterator[PlacedExpression | Reference]:
+) -> Iterator[PlacedExpression | NameUse]:
     """Yield all expressions and references of a file but those of parameters and starts."""
     for field in type(file).model_fields:
         value = getattr(file, field)
@@ -86,14 +86,14 @@ def walk(
 
 def _walk(
     item: ParameterSet, place: Place, body: str, units: _Units
-) -> Iterator[PlacedExpression | Reference]:
+) -> Iterator[PlacedExpression | NameUse]:
     if not isinstance(item, SystemSet):
         return
     for name in type(item).model_fields:
         value, here = getattr(item, name), (*place, name)
         what = fact(type(item), name, "names")
         if what is not None and value is not None:
-            yield Reference(here, what, value)
+            yield NameUse(here, what, value)
         yield from _expressions(item, name, here, units)
         if isinstance(value, SystemSet):
             yield from _walk(value, here, body, units)

@@ -13,7 +13,7 @@ from vehicledyn.integrate.accuracy.monitored_run import KINETIC, MethodAndStep, 
 from vehicledyn.integrate.accuracy.windows import WindowStart, is_cheap, may_be_repeated, order_of
 from vehicledyn.integrate.channel_ranges import Ranges
 from vehicledyn.integrate.estimated_accuracy import ENERGY
-from vehicledyn.integrate.judged_quantities import EnergyBalance, Sizes, figure_errors
+from vehicledyn.integrate.judged_quantities import EnergyBalance, FigureSizes, figure_errors
 from vehicledyn.integrate.kept_samples import KeptSamples
 from vehicledyn.kernel.engine import Method, Vector
 
@@ -269,7 +269,7 @@ def apart(
     with np.errstate(all="ignore"):
         figures = [make(part.times, part.values) for part in samples]
         balances = [balance_of(watch, part) for part in samples]
-    sizes = Sizes.of(watch.equations, watch.judged.channels, other.ranges)
+    sizes = FigureSizes.of(watch.equations, watch.judged.channels, other.ranges)
     errors = figure_errors(figures[0], figures[1], sizes)
     shown = {name.rpartition(".")[0] for name in errors} if errors else set(watch.names)
     found = [] if errors else [_ranges_apart(watch, own, other, scales)]

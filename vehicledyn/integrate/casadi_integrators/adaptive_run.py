@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from vehicledyn.integrate.casadi_integrators.calls import (
-    Stopped,
+    CallStopped,
     count_work,
     elapsed_equations,
     integrated,
@@ -67,7 +67,7 @@ def run_casadi(
             size = wanted = min(chunk, task.n_intervals - index)
             try:
                 result = integrators.run(size, task.time(index), state, unknowns)
-            except Stopped:
+            except CallStopped:
                 size = 1
                 result = _single(integrators, task, index, (state, unknowns))
             states, guesses = result
@@ -103,11 +103,11 @@ class _Integrators:
             given = {"x0": state, "z0": unknowns, "p": [*self._constants, start]}
             result = integrated(integrator, given)
         except RuntimeError:
-            raise Stopped from None
+            raise CallStopped from None
         count_work(integrator.stats(), self._task)
         states, guesses = (np.array(result[key]).T.copy() for key in ("xf", "zf"))
         if not np.isfinite(states).all():
-            raise Stopped
+            raise CallStopped
         return states, guesses.reshape(size, unknowns.size)
 
     def _make(self, size: int) -> Any:
@@ -127,5 +127,5 @@ def _single(
     moment = task.time(index)
     try:
         return integrators.run(1, moment, *point)
-    except Stopped:
+    except CallStopped:
         raise stopped_between(task, (moment, task.time(index + 1)), *point) from None

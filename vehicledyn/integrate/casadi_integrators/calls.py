@@ -13,7 +13,7 @@ from vehicledyn.integrate.task import Task
 from vehicledyn.kernel.engine import Count, Vector
 
 
-class Stopped(Exception):  # noqa: N818
+class CallStopped(Exception):  # noqa: N818
     """CasADi gave up a call; how far it came is not known."""
 
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from vehicledyn.integrate.casadi_integrators.calls import (
-    Stopped,
+    CallStopped,
     count_work,
     elapsed_equations,
     integrated,
@@ -116,8 +116,8 @@ class _Stretches:
             result = integrated(integrator, {"x0": start.state, "z0": start.unknowns, "p": p})
             states, guesses = (np.array(result[key]).T.copy() for key in ("xf", "zf"))
             if not np.isfinite(states).all():
-                raise Stopped
-        except (RuntimeError, Stopped):
+                raise CallStopped
+        except (RuntimeError, CallStopped):
             raise stopped_between(self._task, (start.time, end), *start[1:]) from None
         steps = count_work(integrator.stats(), self._task)
         times = [start.time + length * k / size for k in range(1, size)] + [end]

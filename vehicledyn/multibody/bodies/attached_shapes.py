@@ -15,8 +15,8 @@ import numpy as np
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.multibody.bodies.beam_shapes import (
-    Kinks,
     Shapes,
+    TruncatedPowers,
     assumed_shapes,
     clamped_polynomials,
     quadrature,
@@ -58,7 +58,7 @@ def attached_shapes(count: int, order: int, places: tuple[float, ...]) -> Shapes
     polynomials = clamped_polynomials(plain, order)
     nothing = np.zeros((len(polynomials), len(inside)))
     shares = np.hstack([np.zeros((len(inside), plain)), np.eye(len(inside))])
-    kinks = Kinks(np.array(inside), 2 * order - 1, shares)
+    kinks = TruncatedPowers(np.array(inside), 2 * order - 1, shares)
     bare = Shapes(np.hstack([polynomials, nothing]), np.zeros(count), 0, kinks=kinks)
     nodes, weights = quadrature(plain + order + 1, inside)
     root = np.sqrt(weights)[:, None]

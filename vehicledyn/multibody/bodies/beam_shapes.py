@@ -28,7 +28,7 @@ SPARE = 10
 
 
 @dataclass(frozen=True, eq=False)
-class Kinks:
+class TruncatedPowers:
     """Truncated powers (ξ - a)₊ᵖ that shapes have beside their polynomials.
 
     ``places`` are the a, shape (n,), ``power`` is p, ``shares`` the part of each power in each
@@ -65,7 +65,7 @@ class Shapes:
     stiffness: Array
     points: int
     slopes: int | None = None
-    kinks: Kinks | None = None
+    kinks: TruncatedPowers | None = None
 
     @property
     def count(self) -> int:

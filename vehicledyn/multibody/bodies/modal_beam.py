@@ -30,9 +30,9 @@ from vehicledyn.multibody.bodies.strain_energy import axial_energy, coupling_ene
 from vehicledyn.multibody.model.deformation import (
     Deflection,
     Flexibility,
-    Follower,
     Integrals,
     Slice,
+    TiedAmplitude,
     TurningInertia,
     about_first_axis,
 )
@@ -169,7 +169,7 @@ class ModalBeam(Flexibility):
             return None
         return Shortening(bends, {d: self.ranges[d] for d in bends}, len(self.coordinates))
 
-    def _drawn_back(self, q: Sequence[Scalar], rates: Sequence[Scalar]) -> list[Follower]:
+    def _drawn_back(self, q: Sequence[Scalar], rates: Sequence[Scalar]) -> list[TiedAmplitude]:
         """Return what the slices are drawn back by, nothing where that is left out."""
         if self._shortening is None:
             return []
@@ -188,7 +188,7 @@ class ModalBeam(Flexibility):
         reach = np.zeros((len(points[0]), 0)) if item is None else item.reach(points[0])
         return Integrals(inertia_products(shapes, _AXES, reach, points), self.mass, self.length)
 
-    def followers(self, q: Sequence[Scalar], rates: Sequence[Scalar]) -> list[Follower]:
+    def followers(self, q: Sequence[Scalar], rates: Sequence[Scalar]) -> list[TiedAmplitude]:
         """Return what draws the mass back, slope by slope."""
         item = self._shortening
         return [] if item is None else item.followers(q, rates, self.length)
@@ -211,7 +211,7 @@ class ModalBeam(Flexibility):
         return [ops.vector(item, 0.0, 0.0) for item in drawn or [0.0] * len(self.nodes[0])]
 
     def _axis(
-        self, place: float, q: Sequence[Scalar], drawn_back: Follower | None
+        self, place: float, q: Sequence[Scalar], drawn_back: TiedAmplitude | None
     ) -> tuple[Vec, dict[int, Vec]]:
         """Return where a point of the axis stands, with its derivatives."""
         across = {"y": ops.scalar(0.0), "z": ops.scalar(0.0)}

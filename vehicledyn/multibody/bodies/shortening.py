@@ -21,7 +21,7 @@ from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
 from vehicledyn.multibody.bodies.beam_shapes import Shapes, quadrature
-from vehicledyn.multibody.model.deformation import Follower
+from vehicledyn.multibody.model.deformation import TiedAmplitude
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar
 from vehicledyn.symbolic.weighted_sums import weighted_sum
@@ -99,7 +99,7 @@ class Shortening:
         rates: Sequence[Scalar],
         length: Scalar,
         series: Sequence[float] = SERIES,
-    ) -> list[Follower]:
+    ) -> list[TiedAmplitude]:
         """Return -L (1 - √(1 - e)) of each place as amplitudes.
 
         Parameters
@@ -126,7 +126,7 @@ class Shortening:
             steeper = 2.0 * first + e * (4.0 * second + 6.0 * third * e)
             growing = 8.0 * second + 24.0 * third * e
             found.append(
-                Follower(
+                TiedAmplitude(
                     -length * e * (first + e * (second + third * e)),
                     [-steeper * lean for lean in leans],
                     np.array(place),
@@ -136,7 +136,7 @@ class Shortening:
             )
         return found
 
-    def drawn_back(self, place: float, q: Sequence[Scalar], length: Scalar) -> Follower:
+    def drawn_back(self, place: float, q: Sequence[Scalar], length: Scalar) -> TiedAmplitude:
         """Return what a place is drawn back by; e/2 is integrated exactly."""
         size = self.count
         metric = np.zeros((size, size))
@@ -149,7 +149,7 @@ class Shortening:
         steep = self.followers(q, still, length, (0.0, *SERIES[1:]))
         return summed(
             [1.0, *self.reach(np.array([place]))[0]],
-            [Follower(total, [-p for p in pulls], np.eye(size), still[0], still[0]), *steep],
+            [TiedAmplitude(total, [-p for p in pulls], np.eye(size), still[0], still[0]), *steep],
         )
 
     def drawn(self, place: float, length: Scalar) -> dict[str, Any]:
@@ -177,7 +177,7 @@ class Shortening:
         return {"quadratic": quadratic, "steep": steep, "drawn_back": reach}
 
 
-def summed(weights: Sequence[float] | Array, followers: Sequence[Follower]) -> Follower:
+def summed(weights: Sequence[float] | Array, followers: Sequence[TiedAmplitude]) -> TiedAmplitude:
     """Return a sum of followers times a weight each."""
     nothing = ops.scalar(0.0)
     value, rate, growth = nothing, nothing, nothing
@@ -188,7 +188,7 @@ def summed(weights: Sequence[float] | Array, followers: Sequence[Follower]) -> F
     factors = [
         float(w) * f for w, item in zip(weights, followers, strict=True) for f in item.factors
     ]
-    return Follower(value, factors, np.vstack([f.shares for f in followers]), rate, growth)
+    return TiedAmplitude(value, factors, np.vstack([f.shares for f in followers]), rate, growth)
 
 
 def inertia_products(

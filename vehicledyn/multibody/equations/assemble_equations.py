@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.validation_messages import lower_first
 from vehicledyn.multibody.equations.impacts import Impacts
-from vehicledyn.multibody.equations.multipliers import Multipliers, Projection
+from vehicledyn.multibody.equations.multipliers import ConstrainedMotion, Projection
 from vehicledyn.multibody.equations.outputs import Exerted, Solved, drifts, exerted, observe
 from vehicledyn.multibody.equations.part_events import collect_events
 from vehicledyn.multibody.equations.seam import Replacement
@@ -73,7 +73,7 @@ def collect(
     roles: Roles,
     solved: Solved,
     replacement: Replacement,
-    multipliers: Multipliers | None = None,
+    multipliers: ConstrainedMotion | None = None,
     projection: Projection | None = None,
 ) -> Equations:
     """Return the equations of a solved system.
@@ -354,7 +354,7 @@ def _structure(
     symbols: Symbols,
     loops: Loops,
     roles: Roles,
-    multipliers: Multipliers | None,
+    multipliers: ConstrainedMotion | None,
 ) -> dict[str, object]:
     """Return facts for people: bodies, coordinates by role, cuts, redundant constraints."""
     name = [j.name for j in symbols.joints]

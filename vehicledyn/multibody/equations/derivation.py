@@ -15,7 +15,7 @@ from vehicledyn.multibody.equations.assemble_equations import (
     collect,
     roles_of,
 )
-from vehicledyn.multibody.equations.multipliers import Multipliers, Projection, multipliers_of
+from vehicledyn.multibody.equations.multipliers import ConstrainedMotion, Projection, multipliers_of
 from vehicledyn.multibody.equations.outputs import Solved
 from vehicledyn.multibody.equations.residual_form import Unsolved, refuse_unsuitable, residual_form
 from vehicledyn.multibody.equations.seam import Handed, Replacement
@@ -100,7 +100,7 @@ class Derivation:
     roles: Roles
     solved: Solved
     resistance: Resistance
-    multipliers: Multipliers | None = None
+    multipliers: ConstrainedMotion | None = None
     projection: Projection | None = None
 
     @property
@@ -325,7 +325,7 @@ def _by_multipliers(
     system: System,
     symbols: Symbols,
     roles: Roles,
-    multipliers: Multipliers,
+    multipliers: ConstrainedMotion,
     motion: _MotionState,
 ) -> tuple[Solved, dict[int, Scalar]]:
     """Solve the equations of motion for all accelerations and multipliers together."""

@@ -57,7 +57,7 @@ class Projection:
         return ops.substitute(ops.substitute(expression, v, new_v), q, new_q)
 
 
-class Multipliers:
+class ConstrainedMotion:
     """The constrained motion of one system."""
 
     def __init__(self, system: System, symbols: Symbols, loops: Loops) -> None:
@@ -193,7 +193,7 @@ class Multipliers:
         return total
 
 
-def multipliers_of(system: System, symbols: Symbols, loops: Loops) -> Multipliers | None:
+def multipliers_of(system: System, symbols: Symbols, loops: Loops) -> ConstrainedMotion | None:
     """Return the constrained motion with multipliers where they are asked for or do better.
 
     They do where many constraints are entangled, if each coordinate moves a mass.
@@ -206,7 +206,7 @@ def multipliers_of(system: System, symbols: Symbols, loops: Loops) -> Multiplier
     if not may_take_multipliers(system, symbols, loops):
         return None
     try:
-        return Multipliers(system, symbols, loops)
+        return ConstrainedMotion(system, symbols, loops)
     except InputError:
         if system.constraint_method == "auto":
             return None

@@ -79,7 +79,7 @@ def rows_of_system(system: System, bare: Kinematics, time: Scalar) -> list[Const
 
 
 @dataclass(frozen=True)
-class Derivatives:
+class RowDerivatives:
     """Rows differentiated: Jacobian by rates, what is left at rest, and at zero acceleration.
 
     With ``jacobian`` J, ``rate`` c and ``quadratic`` γ the rows demand J q̇ + c = 0 and
@@ -177,7 +177,7 @@ class Gaps:
         rates = ops.column(self._rates())
         return ops.numeric(self._inputs, rates)(time, q, self._values)[:, 0]
 
-    def differentiate(self) -> Derivatives:
+    def differentiate(self) -> RowDerivatives:
         """Return what the closure of velocities and accelerations needs."""
         s = self._symbols
         q, qd = s.coordinate_column, s.velocity_column
@@ -186,7 +186,7 @@ class Gaps:
             first = ops.stacked(first, self._speed)
         second = ops.derivative(first, q, qd) + ops.derivative(first, s.time, 1.0)
         quadratic = [m.quadratic for m in self._moving] + _scalars(second)
-        return Derivatives(rows_of(self._jacobian), self._rates(), quadratic)
+        return RowDerivatives(rows_of(self._jacobian), self._rates(), quadratic)
 
     @property
     def _moving(self) -> list[MovingResidual]:

@@ -105,7 +105,7 @@ def about_first_axis(
 
 
 @dataclass(frozen=True)
-class Follower:
+class TiedAmplitude:
     """An amplitude that follows the coordinates: the ``value`` g(q) [m].
 
     Its derivatives by the coordinates are the sum of ``factors`` times a row each of the numbers
@@ -178,7 +178,7 @@ class Flexibility(ABC):
         """Inertia integrals, None for a body whose displacements have no such form."""
         return None
 
-    def followers(self, q: Sequence[Scalar], rates: Sequence[Scalar]) -> list[Follower]:
+    def followers(self, q: Sequence[Scalar], rates: Sequence[Scalar]) -> list[TiedAmplitude]:
         """Return the amplitudes beyond the coordinates that the integrals know."""
         return []
 

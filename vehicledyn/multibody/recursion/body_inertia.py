@@ -10,7 +10,7 @@ from vehicledyn.symbolic.ops import Mat, Vec
 
 
 @dataclass(frozen=True)
-class LinkMotion:
+class BodyMotion:
     """Motion of a link's frame in its own axes; what nobody asks for is not evaluated."""
 
     kinematics: Kinematics
@@ -46,7 +46,7 @@ class BodyInertia(ABC):
     """
 
     @abstractmethod
-    def inertial_wrench(self, motion: LinkMotion) -> tuple[Vec, Vec]:
+    def inertial_wrench(self, motion: BodyMotion) -> tuple[Vec, Vec]:
         """Return force [N] and torque [N m] about the origin that a motion needs."""
 
     @abstractmethod

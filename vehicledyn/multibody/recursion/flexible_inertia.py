@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from vehicledyn.multibody.model.bodies import Body
 from vehicledyn.multibody.model.deformation import Flexibility
 from vehicledyn.multibody.model.kinematics import Kinematics
-from vehicledyn.multibody.recursion.body_inertia import BodyInertia, LinkMotion
+from vehicledyn.multibody.recursion.body_inertia import BodyInertia, BodyMotion
 from vehicledyn.multibody.recursion.deformed_inertia import DeformedInertia
 from vehicledyn.multibody.recursion.integral_inertia import IntegralInertia
 from vehicledyn.multibody.recursion.point_inertia import PointInertia, energies_of_points
@@ -26,7 +26,7 @@ class FlexibleInertia(BodyInertia):
             return IntegralInertia(self.body, kinematics, link)
         return PointInertia(self.body, kinematics, link)
 
-    def inertial_wrench(self, motion: LinkMotion) -> tuple[Vec, Vec]:
+    def inertial_wrench(self, motion: BodyMotion) -> tuple[Vec, Vec]:
         """Return force [N] and torque [N m] about the origin that a motion needs."""
         return self.at(motion.kinematics, motion.link).wrench
 

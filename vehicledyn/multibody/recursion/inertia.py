@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from vehicledyn.multibody.model.bodies import Body
-from vehicledyn.multibody.recursion.body_inertia import BodyInertia, LinkMotion
+from vehicledyn.multibody.recursion.body_inertia import BodyInertia, BodyMotion
 from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec
 
@@ -42,7 +42,7 @@ class Inertia(BodyInertia):
         matrix = matrix + _shifted(self.mass, moment, arm)
         return Inertia(self.mass, moment + self.mass * arm, matrix)
 
-    def inertial_wrench(self, motion: LinkMotion) -> tuple[Vec, Vec]:
+    def inertial_wrench(self, motion: BodyMotion) -> tuple[Vec, Vec]:
         """Return m a + β s and I α + ω × I ω + s × a, s the first moment [N, N m]."""
         force = torque = ops.vector(0.0, 0.0, 0.0)
         if not ops.is_structurally_zero(self.mass):
@@ -58,7 +58,7 @@ class Inertia(BodyInertia):
         """Return m 1, -tilde(s) and I, s the first moment."""
         return self.mass * rotations.identity(), -ops.tilde(self.moment), self.matrix
 
-    def _spin_torque(self, motion: LinkMotion) -> Vec:
+    def _spin_torque(self, motion: BodyMotion) -> Vec:
         """Return I α + ω × I ω [N m] of the inertia matrix I.
 
         With P = ½ tr(I) 1 - I, the integral of x xᵀ dm, it is the axial vector of β P - (β P)ᵀ,

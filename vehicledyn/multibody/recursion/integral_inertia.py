@@ -22,7 +22,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.multibody.model.deformation import Follower, Integrals
+from vehicledyn.multibody.model.deformation import Integrals, TiedAmplitude
 from vehicledyn.multibody.model.joint_wrench import JointWrench
 from vehicledyn.multibody.recursion.deformed_inertia import DeformedInertia
 from vehicledyn.multibody.recursion.inertia import Inertia
@@ -53,7 +53,7 @@ class IntegralInertia(DeformedInertia):
         return np.where(np.abs(found) > _NEGLIGIBLE * np.outer(sizes, sizes), found, 0.0)
 
     @cached_property
-    def _followers(self) -> list[Follower]:
+    def _followers(self) -> list[TiedAmplitude]:
         k, link = self.kinematics, self.link
         return self.body.followers(k.amplitudes(link), k.amplitude_rates(link))
 

@@ -11,7 +11,7 @@ from vehicledyn.multibody.model.joint_wrench import JointWrench
 from vehicledyn.multibody.model.kinematics import Kinematics
 from vehicledyn.multibody.model.parts import Wrench
 from vehicledyn.multibody.model.tree import Link, Tree
-from vehicledyn.multibody.recursion.body_inertia import LinkMotion
+from vehicledyn.multibody.recursion.body_inertia import BodyMotion
 from vehicledyn.multibody.recursion.inertia import Inertia
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Mat, Vec
@@ -93,7 +93,7 @@ def _motion(given: list[Mat], *, item: Link, thin: int | None) -> list[Mat]:
     if item.angle_about:
         alone.learn(_LINK, turn=(turn[0], turn[1]))
     own = Inertia(mass, moment, matrix, thin)
-    own_force, own_torque = own.inertial_wrench(LinkMotion(alone, _LINK))
+    own_force, own_torque = own.inertial_wrench(BodyMotion(alone, _LINK))
     return [
         alone.link_rotation(_LINK),
         alone.link_arm(_LINK),

@@ -14,7 +14,7 @@ from vehicledyn.multibody.model.kinematics import Kinematics
 from vehicledyn.multibody.model.parts import Wrench
 from vehicledyn.multibody.model.tree import Tree
 from vehicledyn.multibody.recursion import inertia
-from vehicledyn.multibody.recursion.body_inertia import BodyInertia, LinkMotion
+from vehicledyn.multibody.recursion.body_inertia import BodyInertia, BodyMotion
 from vehicledyn.multibody.recursion.flexible_inertia import FlexibleInertia
 from vehicledyn.symbolic.ops import Scalar, Vec
 
@@ -127,7 +127,7 @@ def needed_wrenches(
     lifted = kinematics.in_lift(-gravity)
     needed = []
     for link, item in enumerate(own):
-        force, torque = item.inertial_wrench(LinkMotion(lifted, link))
+        force, torque = item.inertial_wrench(BodyMotion(lifted, link))
         for wrench in applied[link]:
             force, torque = force - wrench.force, torque - wrench.torque
         needed.append(JointWrench(force, torque))

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 _BYTES = {2: np.uint16, 4: np.uint32}
 
 
-class Columns:
+class PackedColumns:
     """Collects columns; ``describe`` and ``packed`` are what a page needs to read them again."""
 
     def __init__(self) -> None:

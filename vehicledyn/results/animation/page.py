@@ -16,7 +16,7 @@ import numpy as np
 
 from vehicledyn.base.units import parse_unit
 from vehicledyn.results.animation.levels import level_words
-from vehicledyn.results.animation.packed_columns import Columns
+from vehicledyn.results.animation.packed_columns import PackedColumns
 from vehicledyn.results.animation.scene import AnimatedScene
 from vehicledyn.results.plots.plot_style import axis_label
 
@@ -33,7 +33,7 @@ _MOST_LINES = 6
 
 def page_of(scenes: Sequence[AnimatedScene]) -> str:
     """Return the HTML page that shows scenes, the second and further ones laid over the first."""
-    columns = Columns()
+    columns = PackedColumns()
     content: dict[str, Any] = {"scenes": [_scene(scene, columns) for scene in scenes]}
     content["columns"] = columns.describe
     text = json.dumps(content, ensure_ascii=False, default=float, separators=(",", ":"))
@@ -50,7 +50,7 @@ def page_of(scenes: Sequence[AnimatedScene]) -> str:
     return "".join(parts[piece] if k % 2 else piece for k, piece in enumerate(pieces))
 
 
-def _scene(scene: AnimatedScene, columns: Columns) -> dict[str, Any]:
+def _scene(scene: AnimatedScene, columns: PackedColumns) -> dict[str, Any]:
     p = scene.pictures
     origin = p.position[:, 0]
     bodies = []
@@ -92,7 +92,7 @@ def _scene(scene: AnimatedScene, columns: Columns) -> dict[str, Any]:
     }
 
 
-def _channels(scene: AnimatedScene, columns: Columns) -> dict[str, Any]:
+def _channels(scene: AnimatedScene, columns: PackedColumns) -> dict[str, Any]:
     known = {series.name for series in scene.channels}
     shown = {name: panel.unit for panel in scene.panels for name in panel.channels}
     channels = []
@@ -115,7 +115,7 @@ def _channels(scene: AnimatedScene, columns: Columns) -> dict[str, Any]:
     return {"channels": channels, "panels": panels}
 
 
-def _levels(scene: AnimatedScene, columns: Columns) -> dict[str, Any] | None:
+def _levels(scene: AnimatedScene, columns: PackedColumns) -> dict[str, Any] | None:
     """Return the columns that shapes are coloured by, with the end of the scale."""
     if not scene.levels:
         return None
@@ -127,7 +127,7 @@ def _factor(unit: str, shown: str) -> float:
     return 1.0 if unit == shown else parse_unit(unit).factor / parse_unit(shown).factor
 
 
-def _ground(scene: AnimatedScene, columns: Columns) -> dict[str, Any] | None:
+def _ground(scene: AnimatedScene, columns: PackedColumns) -> dict[str, Any] | None:
     if scene.ground is None:
         return None
     rows, count, _ = scene.ground.shape
@@ -139,7 +139,7 @@ def _ground(scene: AnimatedScene, columns: Columns) -> dict[str, Any] | None:
     }
 
 
-def _track(scene: AnimatedScene, columns: Columns) -> list[list[int]] | None:
+def _track(scene: AnimatedScene, columns: PackedColumns) -> list[list[int]] | None:
     if scene.track is None:
         return None
     return [

@@ -21,7 +21,7 @@ from vehicledyn.results.assessment.curve_transitions import (
     assess_transitions,
     find_transitions,
 )
-from vehicledyn.results.assessment.even_samples import LazyChannels, Samples, even_samples
+from vehicledyn.results.assessment.even_samples import EvenSamples, LazyChannels, even_samples
 from vehicledyn.results.assessment.running_behaviour import (
     DIRECTIONS as ASIDE_AND_UP,
 )
@@ -147,7 +147,7 @@ def _is_finite(column: Any) -> bool:
     return all(bool(np.isfinite(block).all()) for block in signal_of(column).blocks())
 
 
-def _distance(subjects: Subjects, samples: Samples) -> Signal | None:
+def _distance(subjects: Subjects, samples: EvenSamples) -> Signal | None:
     """Return the way from the start of the run at the section's samples; None if unknown.
 
     All bodies of a vehicle go the same way; coordinates relative to another body hardly move. So
@@ -176,7 +176,7 @@ def _moved(way: Floats) -> Floats:
     return np.asarray(np.abs(np.diff(way)))
 
 
-def _steps(samples: Samples, name: str, length: Callable[[Floats], Floats]) -> Iterator[Floats]:
+def _steps(samples: EvenSamples, name: str, length: Callable[[Floats], Floats]) -> Iterator[Floats]:
     """Yield how far it is from sample to sample, block by block."""
     channel = samples.channels[name]
     for start in range(0, channel.count - 1, BLOCK):
@@ -193,7 +193,7 @@ def _sums(steps: Iterator[Floats]) -> Iterator[Floats]:
 
 
 def _assess_safety(
-    found: Assessment, subjects: Subjects, samples: Samples, distance: Signal | None
+    found: Assessment, subjects: Subjects, samples: EvenSamples, distance: Signal | None
 ) -> None:
     if subjects.axles and distance is None:
         found.remarks.append(
@@ -242,12 +242,12 @@ def _assess_safety(
         )
 
 
-def _bends(samples: Samples, axle: str, curvature: Signal | None) -> bool:
+def _bends(samples: EvenSamples, axle: str, curvature: Signal | None) -> bool:
     bend = samples.channels.get(f"{axle}.curvature", curvature)
     return bend is not None and any(bool(np.any(block)) for block in bend.blocks())
 
 
-def _assess_ride(found: Assessment, subjects: Subjects, samples: Samples) -> None:
+def _assess_ride(found: Assessment, subjects: Subjects, samples: EvenSamples) -> None:
     sensors = _sensors(subjects, samples)
     if not sensors:
         if subjects.axles:
@@ -269,12 +269,12 @@ def _assess_ride(found: Assessment, subjects: Subjects, samples: Samples) -> Non
     found.remarks.extend(_comfort_remarks(found.comfort, samples))
 
 
-def _sensors(subjects: Subjects, samples: Samples) -> list[str]:
+def _sensors(subjects: Subjects, samples: EvenSamples) -> list[str]:
     return [s for s in subjects.sensors if any(_has(samples, s, d) for d in DIRECTIONS)]
 
 
 def _assess_transitions(
-    found: Assessment, subjects: Subjects, samples: Samples, distance: Signal | None
+    found: Assessment, subjects: Subjects, samples: EvenSamples, distance: Signal | None
 ) -> None:
     known = [name for name in subjects.bends if name in samples.channels]
     if not known or distance is None or not subjects.sensors:
@@ -303,7 +303,7 @@ def _assess_transitions(
         )
 
 
-def _comfort_remarks(comfort: list[Comfort], samples: Samples) -> Iterator[str]:
+def _comfort_remarks(comfort: list[Comfort], samples: EvenSamples) -> Iterator[str]:
     for one in comfort:
         missing = [f"{one.name}.{d}" for d in DIRECTIONS if d not in one.continuous]
         if missing:
@@ -319,7 +319,7 @@ def _comfort_remarks(comfort: list[Comfort], samples: Samples) -> Iterator[str]:
 
 
 def _assess_wear(
-    found: Assessment, subjects: Subjects, samples: Samples, distance: Signal | None
+    found: Assessment, subjects: Subjects, samples: EvenSamples, distance: Signal | None
 ) -> None:
     worn = [wheel for wheel in subjects.worn if _has(samples, wheel, "wear_number")]
     if distance is None or not found.way:
@@ -331,5 +331,5 @@ def _assess_wear(
     )
 
 
-def _has(samples: Samples, name: str, *words: str) -> bool:
+def _has(samples: EvenSamples, name: str, *words: str) -> bool:
     return all(f"{name}.{word}" in samples.channels for word in words)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vehicledyn.results.assessment.even_samples import Samples
+from vehicledyn.results.assessment.even_samples import EvenSamples
 from vehicledyn.results.assessment.filters import filtered_section
 from vehicledyn.results.assessment.signal import Floats
 from vehicledyn.results.assessment.sliding import block_rms
@@ -39,7 +39,7 @@ class Comfort:
     sperling: Mapping[str, float]
 
 
-def assess_comfort(name: str, samples: Samples) -> Comfort:
+def assess_comfort(name: str, samples: EvenSamples) -> Comfort:
     """Return the comfort at an accelerometer with channels "name.lateral" and the like.
 
     Directions without a channel are left out.
@@ -78,7 +78,7 @@ def mean_comfort(continuous: Mapping[str, Floats]) -> float:
     return 6.0 * math.hypot(*percentiles)
 
 
-def ride_index(samples: Samples, channel: str, factor: float) -> float:
+def ride_index(samples: EvenSamples, channel: str, factor: float) -> float:
     """Return Sperling's ride index W_z for comfort [1].
 
     W_z = (2 ∫ B² G df)^0.15 with the power spectral density G of the acceleration in cm²/s³,

@@ -23,7 +23,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vehicledyn.results.assessment.even_samples import Samples
+from vehicledyn.results.assessment.even_samples import EvenSamples
 from vehicledyn.results.assessment.filters import butterworth, filtered_section
 from vehicledyn.results.assessment.signal import BLOCK, Floats, Signal
 from vehicledyn.results.assessment.sliding import integral_between
@@ -110,7 +110,7 @@ def find_transitions(time: Signal, curvature: Signal, distance: Signal) -> list[
 
 
 def assess_transitions(
-    name: str, samples: Samples, transitions: list[Transition]
+    name: str, samples: EvenSamples, transitions: list[Transition]
 ) -> Iterator[TransitionComfort]:
     """Yield the comfort of a floor with channels "name.lateral" and "name.roll_rate".
 
@@ -142,7 +142,9 @@ def _span(begin: float, end: float, step: float) -> Floats:
     return np.linspace(begin, end, max(2, 1 + round((end - begin) / step)))
 
 
-def _largest_mean(samples: Samples, values: Signal, middles: Floats, shifts: list[float]) -> float:
+def _largest_mean(
+    samples: EvenSamples, values: Signal, middles: Floats, shifts: list[float]
+) -> float:
     """Return the largest mean over 1 s about instants, or difference of two shifted ones."""
     largest, start = 0.0, samples.time.at(0)
     for part in np.array_split(middles, -(-len(middles) // BLOCK)):

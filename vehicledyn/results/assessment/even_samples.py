@@ -17,7 +17,7 @@ _MOST_TIMES = 100
 
 
 @dataclass(frozen=True)
-class Samples:
+class EvenSamples:
     """Channels at even steps of time.
 
     ``time`` and each channel have n values; ``step`` is in s. Channels are read when asked for,
@@ -84,7 +84,7 @@ def even_samples(
     *,
     begin: float | None = None,
     end: float | None = None,
-) -> Samples:
+) -> EvenSamples:
     """Return channels at even steps, of which a section is kept.
 
     Samples of one and the same instant, as at an impact, are one, the last of them. Where the
@@ -120,7 +120,7 @@ def even_samples(
         column = signal_of(channels[name])
         return column if steps.even else _interpolated(known, column, instants)
 
-    return Samples(instants, step, LazyChannels(channels, read), kept)
+    return EvenSamples(instants, step, LazyChannels(channels, read), kept)
 
 
 def _even_count(steps: _Steps, samples: int) -> int:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.results.assessment.even_samples import Samples
+from vehicledyn.results.assessment.even_samples import EvenSamples
 from vehicledyn.results.assessment.filters import butterworth, filtered_section, high_pass
 from vehicledyn.results.assessment.running_safety import CUT_OFF, ORDER, extreme_of
 from vehicledyn.results.assessment.signal import Floats
@@ -37,7 +37,7 @@ class BodyAcceleration:
     quasi_static: float
 
 
-def assess_acceleration(name: str, direction: str, samples: Samples) -> BodyAcceleration:
+def assess_acceleration(name: str, direction: str, samples: EvenSamples) -> BodyAcceleration:
     """Return the running behaviour at an accelerometer with the channel "name.direction"."""
     values = samples.channels[f"{name}.{direction}"]
     inside = filtered_section(values, samples.step, _band, samples.kept)

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.results.assessment.even_samples import Samples
+from vehicledyn.results.assessment.even_samples import EvenSamples
 from vehicledyn.results.assessment.filters import butterworth, filtered_section
 from vehicledyn.results.assessment.signal import Floats, Signal, combined, stored
 from vehicledyn.results.assessment.sliding import sliding_mean
@@ -119,7 +119,7 @@ def track_shift_limit(static: float, factor: float = 1.0) -> float:
     return factor * (1e4 + 2.0 * static / 3.0)
 
 
-def static_samples(samples: Samples, axle: str, curvature: Signal | None) -> Signal | None:
+def static_samples(samples: EvenSamples, axle: str, curvature: Signal | None) -> Signal | None:
     """Return 1 for each sample of a run that shows an axle's static load; None if too few do.
 
     They are those in which the axle itself is on straight, level track, be they outside the
@@ -145,7 +145,7 @@ def static_samples(samples: Samples, axle: str, curvature: Signal | None) -> Sig
     return even if count * samples.step >= _LONG_ENOUGH else None
 
 
-def static_load(samples: Samples, wheels: tuple[str, ...], even: Signal | None) -> float:
+def static_load(samples: EvenSamples, wheels: tuple[str, ...], even: Signal | None) -> float:
     """Return the static load Q₀ of each wheel of an axle: the mean of their median loads [N].
 
     Parameters
@@ -160,7 +160,7 @@ def static_load(samples: Samples, wheels: tuple[str, ...], even: Signal | None) 
     return float(np.mean([_chosen(samples, f"{wheel}.Q", even).median() for wheel in wheels]))
 
 
-def _chosen(samples: Samples, name: str, even: Signal | None) -> Signal:
+def _chosen(samples: EvenSamples, name: str, even: Signal | None) -> Signal:
     if even is None:
         return samples.section(name)
     pairs = zip(samples.channels[name].blocks(), even.blocks(), strict=True)
@@ -168,7 +168,7 @@ def _chosen(samples: Samples, name: str, even: Signal | None) -> Signal:
 
 
 def assess_wheel(
-    name: str, samples: Samples, distance: Signal | None, static: float
+    name: str, samples: EvenSamples, distance: Signal | None, static: float
 ) -> WheelSafety:
     """Return the figures of a wheel with channels "name.Y" and "name.Q".
 
@@ -205,7 +205,7 @@ def assess_wheel(
 
 
 def assess_axle(
-    name: str, samples: Samples, distance: Signal, static: float, wheels: tuple[str, ...]
+    name: str, samples: EvenSamples, distance: Signal, static: float, wheels: tuple[str, ...]
 ) -> AxleSafety | None:
     """Return the sum of the guiding forces of an axle's wheels; None if the way is too short."""
     total = combined(total_of, *(_smooth(samples, f"{wheel}.Y") for wheel in wheels))
@@ -224,7 +224,7 @@ def extreme_of(values: Signal) -> float:
     return low if abs(low) > abs(high) else high
 
 
-def _smooth(samples: Samples, channel: str) -> Signal:
+def _smooth(samples: EvenSamples, channel: str) -> Signal:
     low_pass = butterworth(CUT_OFF, ORDER)
     return filtered_section(samples.channels[channel], samples.step, low_pass, samples.kept)
 

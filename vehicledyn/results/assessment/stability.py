@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.results.assessment.even_samples import Samples
+from vehicledyn.results.assessment.even_samples import EvenSamples
 from vehicledyn.results.assessment.filters import (
     Response,
     butterworth,
@@ -57,7 +57,7 @@ class AxleStability:
 
 
 def assess_stability(
-    name: str, samples: Samples, distance: Signal, static: float, wheels: tuple[str, ...]
+    name: str, samples: EvenSamples, distance: Signal, static: float, wheels: tuple[str, ...]
 ) -> AxleStability | None:
     """Return the stability of an axle; None if the way is shorter than the window.
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vehicledyn.results.assessment.comfort import DIRECTIONS
-from vehicledyn.results.assessment.even_samples import Samples
+from vehicledyn.results.assessment.even_samples import EvenSamples
 from vehicledyn.results.assessment.filters import filtered_section
 from vehicledyn.results.assessment.signal import Signal, combined
 from vehicledyn.results.assessment.sliding import sliding_mean
@@ -64,7 +64,7 @@ class Vibration:
         return " to ".join(text for text, low, high in _REACTIONS if low <= value < high)
 
 
-def assess_vibration(name: str, samples: Samples) -> Vibration:
+def assess_vibration(name: str, samples: EvenSamples) -> Vibration:
     """Return the vibration at a sensor with channels "name.vertical" and the like.
 
     a_w = (1/T ∫ a_w²(t) dt)^½,  VDV = (∫ a_w⁴(t) dt)^¼,  MTVV = max (1/τ ∫_{t-τ}^{t} a_w² dt)^½
@@ -84,7 +84,7 @@ def assess_vibration(name: str, samples: Samples) -> Vibration:
     return Vibration(name, axes, whole if len(axes) == len(DIRECTIONS) else None)
 
 
-def vibration_remarks(found: Vibration, samples: Samples) -> Iterator[str]:
+def vibration_remarks(found: Vibration, samples: EvenSamples) -> Iterator[str]:
     """Yield what limits the figures of a seat."""
     if 0.5 * samples.rate < HIGHEST:
         yield (
@@ -100,7 +100,7 @@ def vibration_remarks(found: Vibration, samples: Samples) -> Iterator[str]:
             )
 
 
-def _axis(channel: str, weighting: Weighting, samples: Samples) -> AxisVibration:
+def _axis(channel: str, weighting: Weighting, samples: EvenSamples) -> AxisVibration:
     weighted = filtered_section(samples.channels[channel], samples.step, weighting, samples.kept)
     rms = math.sqrt(weighted.mean_square())
     dose = sum(float(np.sum(block**4)) for block in weighted.blocks()) * samples.step

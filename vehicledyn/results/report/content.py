@@ -18,7 +18,7 @@ _SMALLEST, _LARGEST = ".smallest", ".largest"
 
 
 @dataclass(frozen=True)
-class KeyFigure:
+class ReportFigure:
     """A number or text that sums the result up, in SI."""
 
     name: str
@@ -45,19 +45,19 @@ class Content:
     title: str
     state: str
     facts: Sequence[tuple[str, str]]
-    key_figures: Sequence[KeyFigure]
+    key_figures: Sequence[ReportFigure]
     figures: Callable[[], Figures]
     details: Callable[[], Sequence[Section]]
     warnings: Callable[[], Sequence[str]] = field(default=tuple)
 
 
-def key_table(figures: Sequence[KeyFigure]) -> list[TextTable]:
+def key_table(figures: Sequence[ReportFigure]) -> list[TextTable]:
     """Return key figures as a table, none if there are none."""
     rows = list(_rows(figures))
     return [TextTable(("Quantity", "Value"), rows, numbers=(1,))] if rows else []
 
 
-def _rows(figures: Sequence[KeyFigure]) -> Iterator[tuple[str, str]]:
+def _rows(figures: Sequence[ReportFigure]) -> Iterator[tuple[str, str]]:
     """Yield meanings and values; smallest and largest value of one quantity as its range."""
     largest = {f.name: f for f in figures if f.name.endswith(_LARGEST)}
     ranges = {f.name for f in figures if f.name.removesuffix(_SMALLEST) + _LARGEST in largest}

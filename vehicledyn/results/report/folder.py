@@ -14,7 +14,7 @@ from vehicledyn.results.report.page import (
     FileLink,
     Notes,
     Page,
-    Pictures,
+    PictureRow,
     Section,
     TextTable,
 )
@@ -90,4 +90,4 @@ def _blocks(content: Content, target: Path, *, drawn: bool) -> Iterator[Block]:
     yield from key_table(content.key_figures[:MOST_KEY_FIGURES])
     figure = next(iter(content.figures()), None) if drawn else None
     if figure is not None:
-        yield Pictures([picture(figure[1], dots=True)])
+        yield PictureRow([picture(figure[1], dots=True)])

@@ -9,7 +9,7 @@ from pathlib import Path
 from vehicledyn.results.hdf5.page_file import check_page, write_page
 from vehicledyn.results.plots.handling.test_figures import handling_figures
 from vehicledyn.results.report.images import picture
-from vehicledyn.results.report.page import Notes, Page, Pictures, Section, TextTable, render
+from vehicledyn.results.report.page import Notes, Page, PictureRow, Section, TextTable, render
 from vehicledyn.results.report.texts import change, reading
 from vehicledyn.results.tables.handling_headings import heading
 from vehicledyn.results.tables.handling_table import TRUTH, HandlingTable, KeyFigure
@@ -42,7 +42,7 @@ def write_handling_page(target: Path, tables: Sequence[HandlingTable], progress:
     notes = [f"{table.model}: {note}" for table in tables for note in table.notes]
     if notes:
         sections.insert(0, Section("Notes", [Notes(notes, warning=True)]))
-    sections.append(Section("Figures", [Pictures(pictures)]))
+    sections.append(Section("Figures", [PictureRow(pictures)]))
     title = f"{tables[0].title}: {' against '.join(names)}"
     write_page(target, render(Page(title, "handling of a road vehicle", sections)))
 

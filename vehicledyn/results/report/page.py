@@ -51,7 +51,7 @@ class Picture:
 
 
 @dataclass(frozen=True)
-class Pictures:
+class PictureRow:
     """Pictures beside each other where there is room; ``paired`` if they belong in pairs."""
 
     kind: ClassVar[str] = "pictures"
@@ -86,7 +86,7 @@ class FileLink:
     text: str
 
 
-Block = Facts | TextTable | Pictures | Notes | Listing | FileLink
+Block = Facts | TextTable | PictureRow | Notes | Listing | FileLink
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from vehicledyn.base.units import digits_of
-from vehicledyn.results.report.content import KeyFigure
+from vehicledyn.results.report.content import ReportFigure
 from vehicledyn.results.report.page import Notes, Section, TextTable
 from vehicledyn.results.report.texts import number
 from vehicledyn.results.tables.identification_table import (
@@ -20,7 +20,7 @@ from vehicledyn.results.tables.optimum_table import OptimumTable, read_optimum
 from vehicledyn.results.tables.response_table import ratio_unit
 from vehicledyn.results.tables.uncertainty_table import UncertaintyTable, read_uncertainty
 
-Parts = tuple[Sequence[KeyFigure], Sequence[Section]]
+Parts = tuple[Sequence[ReportFigure], Sequence[Section]]
 
 _NEAR = 1e-6
 """Part of its range within which a variable lies at its bound."""
@@ -104,13 +104,13 @@ def identification_parts(path: Path) -> Parts:
     """Return identified parameters with intervals, their correlations and what is to be known."""
     table = read_identification(path)
     figures = [
-        KeyFigure(
+        ReportFigure(
             "residuals",
             float(np.sqrt(table.variance)),
             "1",
             "Residuals, in deviations of the noise given",
         ),
-        KeyFigure(
+        ReportFigure(
             "whiteness",
             table.whiteness,
             "1",

@@ -15,7 +15,7 @@ from vehicledyn.results.assessment.subjects import find_subjects
 from vehicledyn.results.info import ChannelRange, channel_ranges
 from vehicledyn.results.plots.figures import draw_figure
 from vehicledyn.results.plots.run_plots import plots_of
-from vehicledyn.results.report.content import Content, Figures, KeyFigure, key_table, words
+from vehicledyn.results.report.content import Content, Figures, ReportFigure, key_table, words
 from vehicledyn.results.report.page import Block, Facts, Listing, Notes, Section, TextTable
 from vehicledyn.results.report.texts import moment, number, reading, unit_text
 from vehicledyn.results.store.reader import Result, open_result
@@ -48,7 +48,7 @@ def run_content(path: Path) -> Content:
     ranges = cache(lambda: _ranges(path))
     with open_result(path, MOST_SAMPLES) as result:
         key_figures = [
-            KeyFigure(e.name, e.value, e.unit, e.description) for e in result.summary.values()
+            ReportFigure(e.name, e.value, e.unit, e.description) for e in result.summary.values()
         ]
         accuracy = [figure for figure in key_figures if figure.name in ACCURACY]
         return Content(
@@ -123,7 +123,7 @@ def _figures(path: Path) -> Figures:
 
 
 def _details(
-    path: Path, ranges: Sequence[ChannelRange], accuracy: Sequence[KeyFigure]
+    path: Path, ranges: Sequence[ChannelRange], accuracy: Sequence[ReportFigure]
 ) -> list[Section]:
     with open_result(path, MOST_SAMPLES) as result:
         sections = [
@@ -167,7 +167,7 @@ def _events(result: Result) -> Iterator[Block]:
         yield Notes([f"{len(events) - MOST_EVENTS} more events are in the file."])
 
 
-def _accuracy(result: Result, accuracy: Sequence[KeyFigure]) -> list[Block]:
+def _accuracy(result: Result, accuracy: Sequence[ReportFigure]) -> list[Block]:
     blocks: list[Block] = list(key_table(accuracy))
     residual = result.solver.get("largest_residual")
     if isinstance(residual, float):

@@ -9,7 +9,7 @@ from pathlib import Path
 from vehicledyn.base.errors import InputError
 from vehicledyn.results.plots.overlay import overlaid
 from vehicledyn.results.plots.standard import figure_sets
-from vehicledyn.results.report.content import Content, KeyFigure, key_table
+from vehicledyn.results.report.content import Content, ReportFigure, key_table
 from vehicledyn.results.report.differences import differences
 from vehicledyn.results.report.images import picture
 from vehicledyn.results.report.page import (
@@ -18,7 +18,7 @@ from vehicledyn.results.report.page import (
     Notes,
     Page,
     Picture,
-    Pictures,
+    PictureRow,
     Section,
     TextTable,
 )
@@ -42,7 +42,7 @@ def page_of(path: Path, target: Path, progress: Progress) -> Page:
         progress(f"drawing {name}", None)
         pictures.append(picture(figure))
     if pictures:
-        sections.append(Section("Figures", [Pictures(pictures)]))
+        sections.append(Section("Figures", [PictureRow(pictures)]))
     return Page(
         title=content.title,
         subtitle=f"{content.what} · {path.name}",
@@ -95,8 +95,8 @@ def _figures_of_two(paths: Mapping[str, Path], progress: Progress) -> Section:
     pictures = list(_together(paths, progress))
     shared = [item for item, in_pair in pictures if not in_pair]
     pairs = [item for item, in_pair in pictures if in_pair]
-    blocks = [Pictures(shared)] if shared else []
-    return Section("Figures", [*blocks, *([Pictures(pairs, paired=True)] if pairs else [])])
+    blocks = [PictureRow(shared)] if shared else []
+    return Section("Figures", [*blocks, *([PictureRow(pairs, paired=True)] if pairs else [])])
 
 
 def _links(path: Path, target: Path, text: str) -> list[FileLink]:
@@ -137,11 +137,11 @@ def _key_figures_of_two(first: Content, second: Content, names: tuple[str, str])
     return TextTable(("Quantity", *names, "Difference"), rows, numbers=(1, 2, 3))
 
 
-def _text(figure: KeyFigure | None) -> str:
+def _text(figure: ReportFigure | None) -> str:
     return "–" if figure is None else figure.text
 
 
-def _change(first: KeyFigure | None, second: KeyFigure | None) -> str:
+def _change(first: ReportFigure | None, second: ReportFigure | None) -> str:
     if first is None or second is None or first.unit != second.unit:
         return "–"
     return change(first.value, second.value, first.unit)

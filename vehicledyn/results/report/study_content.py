@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 
 from vehicledyn.results.plots.studies.study_plots import rank_correlation, study_figures
-from vehicledyn.results.report.content import Content, Figures, KeyFigure, words
+from vehicledyn.results.report.content import Content, Figures, ReportFigure, words
 from vehicledyn.results.report.page import Block, Listing, Section, TextTable
 from vehicledyn.results.report.texts import moment, reading
 from vehicledyn.results.store.study_reader import StudyFile, open_study
-from vehicledyn.results.study_info import Spread, StudyDescription, describe_study
+from vehicledyn.results.study_info import StudyDescription, ValueRange, describe_study
 
 LEADING = 3
 WEAK = 0.1
@@ -36,7 +36,9 @@ def study_content(path: Path) -> Content:
             ("Computed", f"{moment(known.created)} by vehicledyn {known.program_version}"),
         ],
         key_figures=[
-            KeyFigure(f"{s.name}.mean", s.mean, s.unit, f"{s.description or words(s.name)}, mean")
+            ReportFigure(
+                f"{s.name}.mean", s.mean, s.unit, f"{s.description or words(s.name)}, mean"
+            )
             for s in known.figures
             if s.mean is not None
         ],
@@ -94,7 +96,7 @@ def _details(path: Path, known: StudyDescription) -> list[Section]:
     return [*sections, Section("Input", texts)]
 
 
-def _row(spread: Spread) -> tuple[str, ...]:
+def _row(spread: ValueRange) -> tuple[str, ...]:
     values = (spread.smallest, spread.mean, spread.largest)
     listed = ("–" if value is None else reading(value, spread.unit) for value in values)
     return (spread.description or words(spread.name), str(spread.count), *listed)

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from vehicledyn.results.plots.table_results import describe_table, table_figures
-from vehicledyn.results.report.content import Content, KeyFigure, words
+from vehicledyn.results.report.content import Content, ReportFigure, words
 from vehicledyn.results.report.page import Block, Facts, Notes, Section, TextTable
 from vehicledyn.results.report.parameter_content import (
     identification_parts,
@@ -67,7 +67,7 @@ def table_content(path: Path) -> Content:
     )
 
 
-Parts = tuple[Sequence[KeyFigure], Sequence[Section]]
+Parts = tuple[Sequence[ReportFigure], Sequence[Section]]
 
 
 def _state(table: hunt_table.HuntTable) -> str:
@@ -81,7 +81,7 @@ def _no_parts(_: Path) -> Parts:
 def _handling(path: Path) -> Parts:
     table = handling_table.read_handling(path)
     found = [
-        KeyFigure(f.key, f.value, f.unit, f"{words(f.test)}: {f.description}")
+        ReportFigure(f.key, f.value, f.unit, f"{words(f.test)}: {f.description}")
         for f in table.figures
     ]
     return found, notes_section(table.notes)
@@ -90,7 +90,7 @@ def _handling(path: Path) -> Parts:
 def _cam(path: Path) -> Parts:
     table = cam_table.read_cam(path)
     found = [
-        KeyFigure(name, value, unit, words(meaning))
+        ReportFigure(name, value, unit, words(meaning))
         for name, (value, unit, meaning) in table.figures.items()
     ]
     return found, notes_section(table.notes)
@@ -152,7 +152,7 @@ def _modes(table: mode_table.ModeTable) -> Parts:
         growth = float(case.eigenvalue.real[moving].max())
         label = f" at {case.label}" if case.label else ""
         figures.append(
-            KeyFigure(
+            ReportFigure(
                 f"growth{label}",
                 growth,
                 "1/s",
@@ -200,21 +200,23 @@ def _responses(table: response_table.ResponseTable) -> Parts:
             still = float(table.static_gain[i, k])
             text = number(still) if np.isfinite(still) else "does not settle"
             rows.append((name, unit, text, number(peak), number(place)))
-            figures.append(KeyFigure(f"{name}, at", place, "Hz", f"Frequency of the peak, {name}"))
+            figures.append(
+                ReportFigure(f"{name}, at", place, "Hz", f"Frequency of the peak, {name}")
+            )
     head = ("Response", "Unit", "At rest", "Largest magnitude", "At [Hz]")
     return figures, [Section("Gains", [TextTable(head, rows, (2, 3, 4))])]
 
 
-def _critical(table: hunt_table.HuntTable, name: str, meaning: str) -> KeyFigure:
+def _critical(table: hunt_table.HuntTable, name: str, meaning: str) -> ReportFigure:
     value, unit = table.figures[name], table.figure_unit(name)
     if name in table.means:
         meaning = f"{meaning}: {table.means[name]}"
-    return KeyFigure(name, *((100.0 * value, "%") if unit == "1" else (value, unit)), meaning)
+    return ReportFigure(name, *((100.0 * value, "%") if unit == "1" else (value, unit)), meaning)
 
 
 def _contacts(table: contact_table.ContactTable) -> Parts:
     figures = [
-        KeyFigure(
+        ReportFigure(
             f"conicity at {1e3 * amplitude:.3g} mm",
             float(value),
             "",

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 
-class Block(NamedTuple):
+class SampleBlock(NamedTuple):
     """Times, shape (n,) [s], and channels and states, shape (n, ...), of some samples."""
 
     times: Floats
@@ -20,7 +20,7 @@ class Block(NamedTuple):
 
 def checked_block(
     times: Floats, channels: Floats, states: Floats | None, widths: tuple[int, int], last: float
-) -> Block:
+) -> SampleBlock:
     """Return a copy of samples of the right widths behind a last time [s], else a ValueError."""
     instants = np.array(times, dtype=float)
     table = np.array(channels, dtype=float)
@@ -30,4 +30,4 @@ def checked_block(
             raise ValueError(f"shape {values.shape}, expected {(len(instants), width)}")
     if np.any(np.diff(instants, prepend=last) < 0.0):
         raise ValueError("time runs backwards")
-    return Block(instants, table, further)
+    return SampleBlock(instants, table, further)

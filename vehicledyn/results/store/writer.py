@@ -41,7 +41,7 @@ from vehicledyn.results.store.layout import (
     dataset_path,
 )
 from vehicledyn.results.store.row_checksums import RowSums, cut_samples
-from vehicledyn.results.store.sample_blocks import Block, checked_block
+from vehicledyn.results.store.sample_blocks import SampleBlock, checked_block
 
 LARGEST_CHUNK = 1024  # samples
 LARGEST_BUFFER = 4096  # samples
@@ -110,7 +110,7 @@ class ResultWriter(contextlib.AbstractContextManager["ResultWriter"]):
         self._chunk = min(self._expected, LARGEST_CHUNK)
         self._most = min(self._expected, LARGEST_BUFFER)
         self._widths = (len(channels), len(states))
-        self._buffer: list[Block] = []
+        self._buffer: list[SampleBlock] = []
         self._stage = stage
         self._expected_pictures = expected_pictures
         self._waiting: list[Pictures] = []
@@ -316,14 +316,14 @@ class ResultWriter(contextlib.AbstractContextManager["ResultWriter"]):
         """
         if not self._buffer or self._full is not None:
             return
-        block = Block(*(np.concatenate(part) for part in zip(*self._buffer, strict=True)))
+        block = SampleBlock(*(np.concatenate(part) for part in zip(*self._buffer, strict=True)))
         self._buffer.clear()
         try:
             start, ample = 0, self._has_space(len(block.times))
             while start < len(block.times):
                 inside = self._chunk - self.samples % self._chunk
                 stop = len(block.times) if ample else start + inside
-                self._write(container, Block(*(part[start:stop] for part in block)))
+                self._write(container, SampleBlock(*(part[start:stop] for part in block)))
                 start = stop
             if self._waiting:
                 self._write_pictures(container)
@@ -337,7 +337,7 @@ class ResultWriter(contextlib.AbstractContextManager["ResultWriter"]):
         wanted = 8 * (rows + self._chunk) * (1 + sum(self._widths))
         return free_space(self.path.parent) > 2 * wanted + AMPLE
 
-    def _write(self, container: Container, block: Block) -> None:
+    def _write(self, container: Container, block: SampleBlock) -> None:
         """Write samples; the times come last, so that they never promise missing values."""
         columns = np.ascontiguousarray(block.channels.T)
         for dataset, values in zip(self._channels, columns, strict=True):

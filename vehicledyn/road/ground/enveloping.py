@@ -25,7 +25,7 @@ _MOST_CELLS = 400_000
 
 
 @dataclass(frozen=True)
-class Cam:
+class EnvelopingCam:
     """A convex cam |s/length|ⁿ + |h/height|ⁿ = 1 whose lowest point is at s = 0.
 
     Parameters
@@ -129,7 +129,7 @@ class Cam:
 class Tandem:
     """Two equal cams at a distance [m]; a distance of zero is one cam."""
 
-    cam: Cam
+    cam: EnvelopingCam
     spacing: float
 
     def height_and_slope(self, x: Array, z: Array, at: Array) -> tuple[Array, Array]:

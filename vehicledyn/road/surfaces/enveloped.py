@@ -160,9 +160,11 @@ class Enveloped(RoadSurface):
 
     @property
     def _tandem(self) -> Tandem:
-        from vehicledyn.road.ground.enveloping import Cam, Tandem
+        from vehicledyn.road.ground.enveloping import EnvelopingCam, Tandem
 
-        return Tandem(Cam(self.cam_length, self.cam_height, self.cam_order), self.cam_spacing)
+        return Tandem(
+            EnvelopingCam(self.cam_length, self.cam_height, self.cam_order), self.cam_spacing
+        )
 
     @cached_property
     def _felt(self) -> EnvelopedGround:

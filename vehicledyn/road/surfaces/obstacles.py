@@ -78,8 +78,8 @@ class Obstacles(RoadSurface):
 
     def _felt(self) -> tuple[CurveTable, CurveTable | None]:
         """Return the tables of effective height and slope; no slope where it is the height's."""
-        from vehicledyn.road.ground.enveloping import Cam, Tandem, enveloped_profile
+        from vehicledyn.road.ground.enveloping import EnvelopingCam, Tandem, enveloped_profile
 
         x, z = self.outline()
-        cam = Cam(self.cam_length, self.cam_height, self.cam_order)
+        cam = EnvelopingCam(self.cam_length, self.cam_height, self.cam_order)
         return enveloped_profile(Tandem(cam, self.cam_spacing), tuple(x), tuple(z))

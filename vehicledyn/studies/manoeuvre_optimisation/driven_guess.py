@@ -44,7 +44,7 @@ class Vehicle:
     speed: float
 
 
-class Driver:
+class GuessDriver:
     """Drives a vehicle along a path and makes a trajectory of that.
 
     Parameters

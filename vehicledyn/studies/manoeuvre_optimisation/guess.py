@@ -9,7 +9,7 @@ from vehicledyn.analyse.optimal_control.path_curves import PathCurves
 from vehicledyn.analyse.optimal_control.problem import ControlProblem
 from vehicledyn.analyse.optimal_control.trajectory import DEGREE, Trajectory, radau_points
 from vehicledyn.base.errors import InputError, NumericalError
-from vehicledyn.studies.manoeuvre_optimisation.driven_guess import Driver, Vehicle
+from vehicledyn.studies.manoeuvre_optimisation.driven_guess import GuessDriver, Vehicle
 from vehicledyn.studies.manoeuvre_optimisation.model import PreparedManoeuvre, duration_bounds
 from vehicledyn.studies.mistakes import Mistakes
 
@@ -87,7 +87,7 @@ def _driven(manoeuvre: PreparedManoeuvre, along_path: Trajectory) -> Trajectory 
     pairs = dict(zip(prepared.equations.positions, prepared.equations.velocities, strict=True))
     x, y = problem.path.place
     vehicle = Vehicle((x, y), heading, (pairs[x], pairs[y]), manoeuvre.speed)
-    driver = Driver(problem, problem.path, prepared.kernel, vehicle)
+    driver = GuessDriver(problem, problem.path, prepared.kernel, vehicle)
     return driver.drive(along_path, laps=2 if study.track.closed and problem.growth else 1)
 
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from vehicledyn.analyse.optimal_control.problem import BoundedExpression, Control, Expression
+from vehicledyn.analyse.optimal_control.problem import BoundedExpression, Control, PointExpression
 from vehicledyn.base.errors import InputError, unknown_name
 from vehicledyn.base.units import parse_unit, to_si
 from vehicledyn.symbolic.equations import Equations
@@ -34,7 +34,7 @@ class Names:
         """Indices of the states."""
         return {item.name: k for k, item in enumerate(self.equations.states)}
 
-    def find(self, name: str) -> tuple[Expression, str]:
+    def find(self, name: str) -> tuple[PointExpression, str]:
         """Return what a name means, with its SI unit.
 
         Raises
@@ -46,9 +46,9 @@ class Names:
             parts = [self.find(part.strip()) for part in match[1].split(",")]
             if len({parse_unit(unit) for _, unit in parts}) != 1:
                 raise InputError(f"'{name}' adds quantities of different units")
-            return Expression(name, "square", parts=tuple(p for p, _ in parts)), parts[0][1]
+            return PointExpression(name, "square", parts=tuple(p for p, _ in parts)), parts[0][1]
         if name in PATH and self.has_path:
-            return Expression(name, "path", PATH[name]), "m"
+            return PointExpression(name, "path", PATH[name]), "m"
         groups: dict[str, Sequence[Any]] = {
             "control": self.controls,
             "state": self.equations.states,
@@ -58,7 +58,7 @@ class Names:
         for kind, items in groups.items():
             for k, item in enumerate(items):
                 if item.name == name:
-                    return Expression(name, kind, k), item.unit
+                    return PointExpression(name, kind, k), item.unit
         known = dict.fromkeys(item.name for items in groups.values() for item in items)
         paths = list(PATH) * self.has_path
         raise InputError(unknown_name("state, channel or control", name, [*known, *paths]))

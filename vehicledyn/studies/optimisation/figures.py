@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyse.gradients.key_figures import figure_slope, gauss_newton
-from vehicledyn.analyse.objective import FigureCurve, FigureValue, ObjectiveParts, Values
+from vehicledyn.analyse.objective import Evaluated, FigureCurve, FigureValue, ObjectiveParts
 
 Floats = NDArray[np.float64]
 
@@ -43,7 +43,7 @@ class Figures:
             dict(entry["values"]), slopes, dict(deviations), others, entry.get("samples", {})
         )
 
-    def parts(self, compose: Callable[[Figures], Values]) -> ObjectiveParts:
+    def parts(self, compose: Callable[[Figures], Evaluated]) -> ObjectiveParts:
         """Return them one by one, and how the objective is made of such figures."""
         found = {name: self._part(name) for name in self.values}
         for name, value in self.deviations.items():

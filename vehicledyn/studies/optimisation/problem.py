@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.analyse.objective import Values
+from vehicledyn.analyse.objective import Evaluated
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.base.step_memory import Memory
@@ -136,7 +136,7 @@ class Problem:
             raise NumericalError(f"{where}: {entry['failure']}")
         return Figures.of(entry)
 
-    def values(self, point: Floats, further: Sequence[Limit] = ()) -> Values:
+    def values(self, point: Floats, further: Sequence[Limit] = ()) -> Evaluated:
         """Return objective and constraints at a point, with further limits behind those given."""
         return self._values(self.evaluate(point), len(point), further)
 
@@ -152,7 +152,7 @@ class Problem:
         sizes = [abs(limit) or 1.0 for _, _, limit in self.limits()]
         return found.objective, float(np.max(-found.constraints / np.array(sizes), initial=0.0))
 
-    def _values(self, at: Figures, n: int, further: Sequence[Limit] = ()) -> Values:
+    def _values(self, at: Figures, n: int, further: Sequence[Limit] = ()) -> Evaluated:
         """Return objective and constraints of figures."""
         constraints, rows = [], [np.zeros(n)][:0]
         for name, sign, limit in self.limits(further):
@@ -168,7 +168,7 @@ class Problem:
             gradient = missed_slopes.T @ missed
         bounds = np.array(constraints), np.array(rows).reshape(len(rows), n)
         parts = at.parts(lambda other: self._values(other, n, further))
-        return Values(objective, np.asarray(gradient), *bounds, missed, missed_slopes, parts)
+        return Evaluated(objective, np.asarray(gradient), *bounds, missed, missed_slopes, parts)
 
     def _worse(self, at: Figures, name: str, side: float) -> tuple[float, Floats]:
         """Return a figure, or its mean moved by deviations to a side, with its gradient."""

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyse.global_search import explore
-from vehicledyn.analyse.objective import Values
+from vehicledyn.analyse.objective import Evaluated
 from vehicledyn.analyse.optimise import Optimum, optimise
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.analyses.preparation.target_digest import digests_to_keep
@@ -196,7 +196,7 @@ def _search(
     """Return the optimum that a search from a start comes to."""
     count = itertools.count(1)
 
-    def evaluate(point: Floats) -> Values:
+    def evaluate(point: Floats) -> Evaluated:
         found = problem.values(point, further)
         progress(f"run {next(count)}: objective {found.objective:.8g}", None)
         return found

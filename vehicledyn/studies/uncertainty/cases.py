@@ -39,7 +39,7 @@ class Limited:
 
 
 @dataclass
-class Cases:
+class RandomCases:
     """A scenario at many values of its uncertain parameters."""
 
     of_scenario: ScenarioFigures
@@ -65,7 +65,7 @@ class Cases:
         limits: Mapping[str, Mapping[str, Any]],
         mistakes: Mistakes,
         progress: Progress,
-    ) -> Cases:
+    ) -> RandomCases:
         """Prepare a scenario, the figures of whose run were checked; read the rest.
 
         Raises
@@ -82,7 +82,7 @@ class Cases:
         laws = read_laws(mistakes, loaded, parameters, found[0].parameters, found[0].model)
         check_limits(mistakes, limits, found[0].units)
         mistakes.refuse()
-        return Cases(found[0], list(laws), list(laws.values()), mistakes, progress, limits)
+        return RandomCases(found[0], list(laws), list(laws.values()), mistakes, progress, limits)
 
     @property
     def means(self) -> Floats:

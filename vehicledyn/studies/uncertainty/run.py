@@ -25,7 +25,7 @@ from vehicledyn.base.step_memory import Memory, Shelf
 from vehicledyn.base.units import shown
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.studies.mistakes import Mistakes
-from vehicledyn.studies.uncertainty.cases import Cases, Limited
+from vehicledyn.studies.uncertainty.cases import Limited, RandomCases
 from vehicledyn.studies.uncertainty.checks import check_method, note_mistakes
 from vehicledyn.studies.uncertainty.report import Risk, UncertaintyReport
 
@@ -101,7 +101,7 @@ def find_uncertainty(
             mistakes, loaded, of=of, parameters=parameters, limits=limits, progress=progress
         )
         mistakes.refuse()
-    cases = Cases.of(
+    cases = RandomCases.of(
         loaded,
         of=list(of),
         parameters=parameters,
@@ -113,13 +113,13 @@ def find_uncertainty(
     return METHODS[method](cases, number, seed)
 
 
-def _by_slopes(cases: Cases, *_: int) -> UncertaintyReport:
+def _by_slopes(cases: RandomCases, *_: int) -> UncertaintyReport:
     values, slopes = cases.gradients_at(cases.means)
     found = first_order(values, slopes, cases.laws)
     return cases.report("first_order", found, shares=first_order_shares(slopes, cases.laws))
 
 
-def _by_curvatures(cases: Cases, *_: int) -> UncertaintyReport:
+def _by_curvatures(cases: RandomCases, *_: int) -> UncertaintyReport:
     values, slopes, curvatures = cases.curvatures()
     uneven = np.abs(curvatures - np.swapaxes(curvatures, 1, 2)).max(axis=(1, 2))
     for item, missed, size in zip(
@@ -135,7 +135,7 @@ def _by_curvatures(cases: Cases, *_: int) -> UncertaintyReport:
     return cases.report("second_order", found, shares=shares, totals=totals)
 
 
-def _by_indices(cases: Cases, number: int, seed: int) -> UncertaintyReport:
+def _by_indices(cases: RandomCases, number: int, seed: int) -> UncertaintyReport:
     found = sobol_samples(cases.figures_at, cases.laws, number, seed)
     complete = found.complete()
     if len(complete.one) < _FEWEST:
@@ -164,8 +164,8 @@ def _known(figures: Floats) -> Floats:
     return figures[np.isfinite(figures).all(axis=1)]
 
 
-def _by_samples(method: str) -> Callable[[Cases, int, int], UncertaintyReport]:
-    def sampled(cases: Cases, number: int, seed: int) -> UncertaintyReport:
+def _by_samples(method: str) -> Callable[[RandomCases, int, int], UncertaintyReport]:
+    def sampled(cases: RandomCases, number: int, seed: int) -> UncertaintyReport:
         drawn = samples(cases.laws, number, seed, scrambled=method != "monte_carlo")
         figures = cases.figures_at(drawn)
         risks = list(_counted(cases, figures))
@@ -187,7 +187,7 @@ def _by_samples(method: str) -> Callable[[Cases, int, int], UncertaintyReport]:
     return sampled
 
 
-def _by_nearest(cases: Cases, number: int, seed: int) -> UncertaintyReport:
+def _by_nearest(cases: RandomCases, number: int, seed: int) -> UncertaintyReport:
     values, slopes = cases.gradients_at(cases.means)
     found, shares = first_order(values, slopes, cases.laws), first_order_shares(slopes, cases.laws)
     risks = []
@@ -215,7 +215,7 @@ def _by_nearest(cases: Cases, number: int, seed: int) -> UncertaintyReport:
     return cases.report("reliability", found, shares=shares, risks=risks)
 
 
-def _nearest(cases: Cases, words: str, chance: Reliability) -> Iterator[str]:
+def _nearest(cases: RandomCases, words: str, chance: Reliability) -> Iterator[str]:
     """Yield what is known of the nearest failing point."""
     if chance.note:
         yield f"warning: {words}: {chance.note}"
@@ -232,19 +232,19 @@ def _nearest(cases: Cases, words: str, chance: Reliability) -> Iterator[str]:
         )
 
 
-def _counted(cases: Cases, figures: Floats) -> Iterator[Risk]:
+def _counted(cases: RandomCases, figures: Floats) -> Iterator[Risk]:
     """Yield the share of samples beyond each limit, with its interval."""
     for limit in cases.limited():
         share, low, high = failing(figures[:, limit.place], limit.value, above=limit.is_upper)
         yield cases.quantities[limit.place].name, _words(cases, limit), share, low, high
 
 
-def _words(cases: Cases, limit: Limited) -> str:
+def _words(cases: RandomCases, limit: Limited) -> str:
     side = "above" if limit.is_upper else "below"
     return f"{side} {shown(limit.value, cases.quantities[limit.place].unit)}"
 
 
-METHODS: dict[str, Callable[[Cases, int, int], UncertaintyReport]] = {
+METHODS: dict[str, Callable[[RandomCases, int, int], UncertaintyReport]] = {
     "first_order": _by_slopes,
     "second_order": _by_curvatures,
     "monte_carlo": _by_samples("monte_carlo"),

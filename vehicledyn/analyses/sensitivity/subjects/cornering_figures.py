@@ -23,7 +23,7 @@ from vehicledyn.analyses.handling.cornering_modes import CorneringModes
 from vehicledyn.analyses.handling.response_sheets import ANSWERS
 from vehicledyn.analyses.handling.steady_turn import DRIVEN_BY, INTEGRAL_SHARE, drive_turns
 from vehicledyn.analyses.handling.tested_car import CarPoint
-from vehicledyn.analyses.handling.turn_equations import Turn
+from vehicledyn.analyses.handling.turn_equations import TurnDemand
 from vehicledyn.analyses.handling.turn_slopes import TurnMoves, TurnSlopes
 from vehicledyn.analyses.sensitivity.mode_figures import mode_figures
 from vehicledyn.analyses.sensitivity.subjects.steady_curves import Found, traced
@@ -56,7 +56,7 @@ class CorneringSlopes:
         gain = (driven - held)[1:] * np.sign(driven[0] - held[0]) / DRIVEN_BY
         return {"test.proportional_gain": gain, "test.integral_gain": INTEGRAL_SHARE * gain}
 
-    def about(self, turn: Turn, point: CarPoint) -> LinearTurn:
+    def about(self, turn: TurnDemand, point: CarPoint) -> LinearTurn:
         """Return the linear system about a turn."""
         moves = self._slopes.moves(turn, point, gains=self._gains)
         given = self.modes.parameters(point)
@@ -144,7 +144,7 @@ _INPUTS = 3
 def response_figures(slopes: TurnSlopes, asked: Asked) -> Found:
     """Yield gains and phases of the yaw response of a car that runs straight."""
     speed = asked.of("speed")
-    turn, point = Turn(speed, "steering", 0.0), slopes.solver.straight(speed)
+    turn, point = TurnDemand(speed, "steering", 0.0), slopes.solver.straight(speed)
     linear = CorneringSlopes(slopes).about(turn, point)
     is_phase = asked.quantity.endswith(PHASE)
     name = asked.quantity.rpartition("_")[0]

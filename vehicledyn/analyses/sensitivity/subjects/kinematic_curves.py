@@ -32,7 +32,7 @@ from vehicledyn.analyses.mechanism.instant_axes import (
     swing_values,
 )
 from vehicledyn.analyses.mechanism.kinematics import moving_wheels, ratio_channel
-from vehicledyn.analyses.mechanism.mechanism_path import Drive, run_sweep
+from vehicledyn.analyses.mechanism.mechanism_path import PathDrive, run_sweep
 from vehicledyn.analyses.preparation.build_model import build_subject
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.analyses.sensitivity.names import matching
@@ -279,17 +279,19 @@ class _Asked:
     held: tuple[tuple[str, str], ...]
 
 
-def _driven(positions: Positions, asked: _Asked) -> tuple[Mechanism, list[Drive]]:
+def _driven(positions: Positions, asked: _Asked) -> tuple[Mechanism, list[PathDrive]]:
     """Return the mechanism that channels drive, and the values that they are given."""
     units = {c.name: c.unit for c in positions.channels}
     try:
         machine = mechanism(positions, [asked.drive, *(name for name, _ in asked.held)])
-        drives = [Drive(asked.drive, tuple(read_range(asked.values).values(units[asked.drive])))]
+        drives = [
+            PathDrive(asked.drive, tuple(read_range(asked.values).values(units[asked.drive])))
+        ]
         for name, text in asked.held:
             values = read_range(text).values(units[name])
             if len(values) > 1:
                 raise InputError(f"{name}: give one value; only the first drive takes a range")
-            drives.append(Drive(name, tuple(values)))
+            drives.append(PathDrive(name, tuple(values)))
         return machine, drives
     except InputError as error:
         raise InputError(f"'{asked.name}': {error}") from None

@@ -25,7 +25,7 @@ from vehicledyn.analyses.handling.circle import (
 )
 from vehicledyn.analyses.handling.steady import GRADIENT_FROM, GRADIENT_UP_TO
 from vehicledyn.analyses.handling.steady_turn import SteadyTurn
-from vehicledyn.analyses.handling.turn_equations import Turn, TurnOf
+from vehicledyn.analyses.handling.turn_equations import TurnDemand, TurnOf
 from vehicledyn.analyses.handling.turn_limit import limit_turn
 from vehicledyn.analyses.handling.turn_slopes import TURNED, TurnSlopes
 from vehicledyn.analyses.sensitivity.subjects.steady_names import LIMIT, LINES, Asked
@@ -104,7 +104,7 @@ def _gradient(
     slopes: TurnSlopes,
     asked: Asked,
     curve: SteadyCurve,
-    turns: list[Turn],
+    turns: list[TurnDemand],
     moving: Floats | None = None,
 ) -> Found:
     """Yield the slope of the line that fits a curve, with derivatives.
@@ -162,7 +162,7 @@ def held_wheel_figures(slopes: TurnSlopes, asked: Asked) -> Found:
     moving = None if angle is None else angle[1:]
     if not asked.values:
         curve = constant_steering(solver, value, last=_BEYOND)
-        turns = [Turn(float(v), "steering", value) for v in curve.values["speed"]]
+        turns = [TurnDemand(float(v), "steering", value) for v in curve.values["speed"]]
         yield from _gradient(slopes, asked, curve, turns, moving)
         return
     curve = constant_steering(solver, value, fastest=max(asked.values))
@@ -171,7 +171,7 @@ def held_wheel_figures(slopes: TurnSlopes, asked: Asked) -> Found:
         if speed > speeds[-1]:
             raise NumericalError(_ended(curve, speeds[-1], speed, "m/s"))
         near = curve.points[int(np.argmin(np.abs(speeds - speed)))]
-        turn = Turn(speed, "steering", value)
+        turn = TurnDemand(speed, "steering", value)
         numbers = slopes.quantity(asked.quantity, turn, solver.find(turn, near), asked=moving)
         name = f"{asked.quantity} at {shown(speed, 'm/s')}, {asked.where}"
         yield Quantity(name, *QUANTITIES[asked.quantity]), numbers

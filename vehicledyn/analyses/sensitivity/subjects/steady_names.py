@@ -29,7 +29,7 @@ _LATERAL = "m/s^2", "lateral accelerations, such as 4 m/s^2"
 
 
 @dataclass(frozen=True)
-class Method:
+class SteadyMethod:
     """A test: the quantities at its values and those of the whole, and its settings.
 
     ``unit`` is that of its values, ``words`` what they are; ``settings`` are units and usual
@@ -45,21 +45,21 @@ class Method:
 
 
 METHODS = {
-    "constant_speed": Method(*_LATERAL, (*QUANTITIES, EIGENVALUES), (*LINES, LIMIT), _SPEED),
-    "constant_radius": Method(
+    "constant_speed": SteadyMethod(*_LATERAL, (*QUANTITIES, EIGENVALUES), (*LINES, LIMIT), _SPEED),
+    "constant_radius": SteadyMethod(
         *_LATERAL, tuple(QUANTITIES), (*LINES, LIMIT), {"radius": ("m", SteadyRequest.radius)}
     ),
-    "constant_steering": Method(
+    "constant_steering": SteadyMethod(
         "m/s",
         "speeds, such as 80 km/h",
         tuple(QUANTITIES),
         tuple(LINES),
         {"steering": ("rad", None), **_SPEED},
     ),
-    "response": Method(
+    "response": SteadyMethod(
         "Hz", "frequencies, such as 1 Hz", _RESPONSES, (), {"speed": ("m/s", _TOWN)}
     ),
-    "yaw_moments": Method(
+    "yaw_moments": SteadyMethod(
         "rad",
         "side-slip angles, such as 4 deg",
         (YAW_ACCELERATION, *TURNED),
@@ -67,7 +67,7 @@ METHODS = {
         {"steering": ("rad", 0.0), **_SPEED},
         is_signed=True,
     ),
-    "acceleration_limits": Method(
+    "acceleration_limits": SteadyMethod(
         "m/s^2",
         "accelerations along the path, such as -4 m/s^2",
         (LIMIT,),

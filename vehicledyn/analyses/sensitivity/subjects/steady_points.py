@@ -7,7 +7,7 @@ import numpy as np
 from vehicledyn.analyses.handling.acceleration_limits import SMALLEST_STEP, turns_to_limits
 from vehicledyn.analyses.handling.circle import QUANTITIES
 from vehicledyn.analyses.handling.tested_car import CarPoint
-from vehicledyn.analyses.handling.turn_equations import Turn, TurnOf
+from vehicledyn.analyses.handling.turn_equations import TurnDemand, TurnOf
 from vehicledyn.analyses.handling.turn_limit import TurnCorner, TurnLimit, limit_turn
 from vehicledyn.analyses.handling.turn_paths import TurnPath
 from vehicledyn.analyses.handling.turn_slopes import TurnSlopes
@@ -49,7 +49,7 @@ def yaw_moment_figures(slopes: TurnSlopes, asked: Asked) -> Found:
             )
         found |= dict(zip(wanted.tolist(), points, strict=True))
     for value in asked.values:
-        turn = Turn(speed, "steering", angle, sideslip=value)
+        turn = TurnDemand(speed, "steering", angle, sideslip=value)
         point = found[value]
         if asked.quantity == YAW_ACCELERATION:
             yield Quantity(asked.at(value), *_YAW), slopes.yaw_acceleration(turn, point)
@@ -71,8 +71,8 @@ def acceleration_limit_figures(slopes: TurnSlopes, asked: Asked) -> Found:
         sign = -1.0 if asked.quantity == BRAKING else 1.0
         _, path = turns_to_limits(solver, speed, sign)
 
-        def along(size: float) -> Turn:
-            return Turn(speed, "lateral_acceleration", 0.0, sign * size)
+        def along(size: float) -> TurnDemand:
+            return TurnDemand(speed, "lateral_acceleration", 0.0, sign * size)
 
         words = f"Largest acceleration along the path, {asked.quantity}"
         about = Quantity(f"{asked.quantity}, {asked.where}", "m/s^2", words)
@@ -86,8 +86,8 @@ def acceleration_limit_figures(slopes: TurnSlopes, asked: Asked) -> Found:
             paths |= {sign * size: path for size, path in turns.items()}
     for value in asked.values:
 
-        def across(lateral: float, value: float = value) -> Turn:
-            return Turn(speed, "lateral_acceleration", lateral, value)
+        def across(lateral: float, value: float = value) -> TurnDemand:
+            return TurnDemand(speed, "lateral_acceleration", lateral, value)
 
         if value not in paths:
             raise NumericalError(f"the car does not reach {value:g} m/s^2 straight ahead")

@@ -21,7 +21,7 @@ _SECTIONS = tuple(name for name in Sections.model_fields if name != "assemblies"
 
 
 @dataclass
-class Flat:
+class FlatFile:
     """The sections of a file with all that its assemblies and mirror groups make.
 
     ``origins`` says where in the expanded data an entry comes from, ``inner`` which assembly it
@@ -101,7 +101,7 @@ class Group:
     sections: dict[str, dict[str, Any]]
 
 
-def flatten(file: SystemFile, uses: Sequence[Use], path: Path) -> tuple[SystemFile, Flat]:
+def flatten(file: SystemFile, uses: Sequence[Use], path: Path) -> tuple[SystemFile, FlatFile]:
     """Return a file without assemblies and groups, and where its parts come from.
 
     Parameters
@@ -113,7 +113,7 @@ def flatten(file: SystemFile, uses: Sequence[Use], path: Path) -> tuple[SystemFi
     path
         Where it is.
     """
-    flat = Flat({name: dict(getattr(file, name)) for name in _SECTIONS})
+    flat = FlatFile({name: dict(getattr(file, name)) for name in _SECTIONS})
     items: dict[Place, AssemblySet] = {
         ("assemblies", name): item for name, item in file.assemblies.items()
     }

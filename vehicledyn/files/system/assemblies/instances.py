@@ -20,7 +20,7 @@ from vehicledyn.files.system.assembly_sets import AssemblySet
 from vehicledyn.files.system.joints import Coordinate, FixedTurn
 from vehicledyn.files.system.rail_wheels import RailWheelSet
 from vehicledyn.files.system.sets import BodySet, Sections, SystemFile, WheelSet
-from vehicledyn.files.system.walk import PlacedExpression, Reference, walk
+from vehicledyn.files.system.walk import NameUse, PlacedExpression, walk
 from vehicledyn.multibody.model.ground import GROUND
 
 _SECTIONS = tuple(name for name in Sections.model_fields if name != "assemblies")
@@ -130,9 +130,9 @@ def interface_problems(
             yield item.place, f"'{used}' {hint}, or make a connection of it"
 
 
-def _lost(item: PlacedExpression | Reference, rig: Rig, asked: set[str | None]) -> list[str]:
+def _lost(item: PlacedExpression | NameUse, rig: Rig, asked: set[str | None]) -> list[str]:
     """Return the names in a part that an assembly would not have: ``asked`` are connections."""
-    if isinstance(item, Reference):
+    if isinstance(item, NameUse):
         left_out = {"body": rig.sections["bodies"], "coordinate": rig.coordinates}
         return [n for n in [item.name] if n in left_out.get(item.what, ()) and n not in asked]
     stems = {name: name.removesuffix("_rate") for name in item.expression.names}
@@ -202,7 +202,7 @@ def _stands_on_ground(file: SystemFile) -> bool:
     rig = rig_of(file)
     coordinates = {c.name: c for n, b in file.bodies.items() for c in b.coordinates(n)}
     return any(
-        isinstance(item, Reference)
+        isinstance(item, NameUse)
         and (item.what, item.name) == ("body", GROUND)
         and item.place[0] in _SECTIONS
         and item.place[-1] != "seen_from"

@@ -23,7 +23,7 @@ from vehicledyn.files.system.joints import Coordinate
 from vehicledyn.files.system.places import Place as PointOfBody
 from vehicledyn.files.system.sets import BodySet, Sections, SystemFile
 from vehicledyn.files.system.track_frame import track_frame_problems
-from vehicledyn.files.system.walk import PlacedExpression, Reference, walk
+from vehicledyn.files.system.walk import NameUse, PlacedExpression, walk
 from vehicledyn.multibody.model.ground import GROUND
 
 Problems = Iterator[tuple[Place, str]]
@@ -61,7 +61,7 @@ def check(
     yield from tree_problems(file.bodies)
     known = _Known(file, coordinates, parameters, brought)
     for item in walk(file, coordinates):
-        if isinstance(item, Reference):
+        if isinstance(item, NameUse):
             yield from _reference(item, known)
         else:
             yield from _expression(item, known)
@@ -151,7 +151,7 @@ def _coordinates_twice(file: SystemFile) -> Problems:
                 owners.setdefault(coordinate.name, name)
 
 
-def _reference(item: Reference, known: _Known) -> Problems:
+def _reference(item: NameUse, known: _Known) -> Problems:
     if item.what == "body" and item.name not in known.bodies:
         yield item.place, unknown_name("body", item.name, known.bodies)
     if item.what == "coordinate" and item.name not in known.coordinates:

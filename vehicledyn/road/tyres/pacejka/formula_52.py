@@ -25,7 +25,7 @@ from vehicledyn.road.tyres.pacejka.state import (
     EQUIVALENT_SLIP_FLOOR,
     FRICTION_FLOOR,
     Slip,
-    State,
+    TyreState,
     at_most_one,
     bent,
     limited,
@@ -89,7 +89,7 @@ def forces_52(
 
 
 def forces_on_ellipse(
-    s: State, angle: Scalar, along: PureCurve, across: PureCurve, way: str
+    s: TyreState, angle: Scalar, along: PureCurve, across: PureCurve, way: str
 ) -> tuple[Scalar, Scalar]:
     """Return F_x and F_y by the friction ellipse, by slips from where forces vanish if "shifted".
 
@@ -104,7 +104,7 @@ def forces_on_ellipse(
     return on_ellipse(x, y, *pure, floor=floor)
 
 
-def longitudinal(p: Coefficients, s: State, slip: Slip) -> PureCurve:
+def longitudinal(p: Coefficients, s: TyreState, slip: Slip) -> PureCurve:
     """Return F_x at pure longitudinal slip."""
     df, dp = s.load_change, s.pressure_change
     scale = sliding_friction(p, s, p.LMUX)
@@ -125,7 +125,7 @@ def longitudinal(p: Coefficients, s: State, slip: Slip) -> PureCurve:
     return PureCurve(D * ops.sin(C * bent(B * x, E)) + Sv, friction, K, Sh, Sv, B * C)
 
 
-def lateral(p: Coefficients, s: State, slip: Slip) -> PureCurve:
+def lateral(p: Coefficients, s: TyreState, slip: Slip) -> PureCurve:
     """Return F_y at pure side slip."""
     df, dp = s.load_change, s.pressure_change
     scale = sliding_friction(p, s, p.LMUY)
@@ -145,7 +145,7 @@ def lateral(p: Coefficients, s: State, slip: Slip) -> PureCurve:
     return PureCurve(D * ops.sin(C * bent(B * y, E)) + Sv, friction, K, Sh, Sv, B * C)
 
 
-def lateral_stiffness(p: Coefficients, s: State, camber: Scalar) -> Scalar:
+def lateral_stiffness(p: Coefficients, s: TyreState, camber: Scalar) -> Scalar:
     """Return the cornering stiffness K_y, negative [N/rad]."""
     dp = s.pressure_change
     place = s.load / (p.PKY2 * s.nominal * (1.0 + p.PPY2 * dp))
@@ -153,7 +153,7 @@ def lateral_stiffness(p: Coefficients, s: State, camber: Scalar) -> Scalar:
     return p.PKY1 * s.nominal * (1.0 + p.PPY1 * dp) * p.LKY * turned
 
 
-def _along_weight(p: Coefficients, s: State, slip: Slip) -> Scalar:
+def _along_weight(p: Coefficients, s: TyreState, slip: Slip) -> Scalar:
     if ops.is_structurally_zero(p.RCX1) or ops.is_structurally_zero(p.RBX1):
         return 1.0
     B = p.RBX1 * ops.cos(ops.atan(p.RBX2 * s.slip)) * p.LXAL
@@ -163,7 +163,7 @@ def _along_weight(p: Coefficients, s: State, slip: Slip) -> Scalar:
 
 
 def _across_weight(
-    p: Coefficients, s: State, slip: Slip, across: PureCurve
+    p: Coefficients, s: TyreState, slip: Slip, across: PureCurve
 ) -> tuple[Scalar, Scalar]:
     """Return the weight G_yκ and the force S_Vyκ that longitudinal slip induces."""
     df = s.load_change
@@ -177,7 +177,7 @@ def _across_weight(
 
 
 def _aligning(
-    p: Coefficients, s: State, slip: Slip, across: PureCurve, *, ratio: Scalar, free: Scalar
+    p: Coefficients, s: TyreState, slip: Slip, across: PureCurve, *, ratio: Scalar, free: Scalar
 ) -> Scalar:
     """Return the moment by pneumatic trail and the residual moment; ``ratio`` is K_x κ/K_y."""
     df = s.load_change
@@ -207,7 +207,7 @@ def _equivalent(angle: Scalar, ratio: Scalar) -> Scalar:
 
 
 def other_moments(
-    p: Coefficients, s: State, fx: Scalar, fy: Scalar, camber: Scalar
+    p: Coefficients, s: TyreState, fx: Scalar, fy: Scalar, camber: Scalar
 ) -> tuple[Scalar, Scalar]:
     """Return the overturning moment and the moment of rolling resistance, ISO signs [N m]."""
     arm = s.load * p.UNLOADED_RADIUS

@@ -23,7 +23,7 @@ from vehicledyn.road.tyres.pacejka.state import (
     EQUIVALENT_SLIP_FLOOR,
     FRICTION_FLOOR,
     Slip,
-    State,
+    TyreState,
     at_most_one,
     bent,
     resistance_share,
@@ -148,7 +148,7 @@ def _digressive(scale: Scalar, digression: float) -> Scalar:
 
 def longitudinal(
     p: Coefficients,
-    s: State,
+    s: TyreState,
     turn: TurnSlipFactors = NO_TURN,
     *,
     digression: float = Rules.digression,
@@ -174,7 +174,7 @@ def longitudinal(
 
 def lateral(
     p: Coefficients,
-    s: State,
+    s: TyreState,
     slip: Slip,
     turn: TurnSlipFactors = NO_TURN,
     *,
@@ -201,7 +201,7 @@ def lateral(
     return PureCurve(D * ops.sin(C * bent(B * y, E)) + Sv, friction, K, Sh, Sv, B * C)
 
 
-def lateral_stiffness(p: Coefficients, s: State, camber: Scalar) -> Scalar:
+def lateral_stiffness(p: Coefficients, s: TyreState, camber: Scalar) -> Scalar:
     """Return the cornering stiffness K_yα, negative [N/rad], (4.E25)."""
     dp = s.pressure_change
     place = s.load / s.nominal
@@ -210,7 +210,7 @@ def lateral_stiffness(p: Coefficients, s: State, camber: Scalar) -> Scalar:
     return p.PKY1 * s.nominal * (1.0 + p.PPY1 * dp) * p.LKY * turned
 
 
-def _along_weight(p: Coefficients, s: State, slip: Slip) -> Scalar:
+def _along_weight(p: Coefficients, s: TyreState, slip: Slip) -> Scalar:
     """Return G_xα, (4.E51) to (4.E57)."""
     B = (p.RBX1 + p.RBX3 * slip.camber * slip.camber) * p.LXAL
     B *= ops.cos(ops.atan(p.RBX2 * s.slip))
@@ -219,7 +219,7 @@ def _along_weight(p: Coefficients, s: State, slip: Slip) -> Scalar:
     return at(slip.angle + p.RHX1) / at(p.RHX1)
 
 
-def _across_weight(p: Coefficients, s: State, slip: Slip) -> Scalar:
+def _across_weight(p: Coefficients, s: TyreState, slip: Slip) -> Scalar:
     """Return G_yκ, (4.E59) to (4.E65)."""
     B = (p.RBY1 + p.RBY4 * slip.camber * slip.camber) * p.LYKA
     B *= ops.cos(ops.atan(p.RBY2 * (slip.angle - p.RBY3)))
@@ -229,7 +229,7 @@ def _across_weight(p: Coefficients, s: State, slip: Slip) -> Scalar:
     return at(s.slip + shift) / at(shift)
 
 
-def _induced(p: Coefficients, s: State, slip: Slip, friction: Scalar) -> Scalar:
+def _induced(p: Coefficients, s: TyreState, slip: Slip, friction: Scalar) -> Scalar:
     """Return S_Vyκ, the side force that longitudinal slip induces, (4.E66) and (4.E67)."""
     size = p.RVY1 + p.RVY2 * s.load_change + p.RVY3 * slip.camber
     size *= friction * s.load * ops.cos(ops.atan(p.RVY4 * slip.angle))
@@ -238,7 +238,7 @@ def _induced(p: Coefficients, s: State, slip: Slip, friction: Scalar) -> Scalar:
 
 def _aligning(
     p: Coefficients,
-    s: State,
+    s: TyreState,
     slip: Slip,
     curves: tuple[PureCurve, PureCurve, PureCurve],
     free: Scalar,
@@ -294,7 +294,7 @@ def _equivalent(angle: Scalar, ratio: Scalar, rules: Rules) -> Scalar:
 
 
 def other_moments(
-    p: Coefficients, s: State, fx: Scalar, fy: Scalar, *, rules: Rules
+    p: Coefficients, s: TyreState, fx: Scalar, fy: Scalar, *, rules: Rules
 ) -> tuple[Scalar, Scalar]:
     """Return overturning moment and moment of rolling resistance, ISO signs [N m], (4.E69, 70)."""
     arm, g = s.load * p.UNLOADED_RADIUS, s.camber

@@ -22,7 +22,7 @@ from vehicledyn.road.tyres.pacejka.formula_52 import other_moments
 from vehicledyn.road.tyres.pacejka.friction_ellipse import Pure, on_ellipse
 from vehicledyn.road.tyres.pacejka.state import (
     EQUIVALENT_SLIP_FLOOR,
-    State,
+    TyreState,
     at_most_one,
     bent,
     limited,
@@ -91,7 +91,7 @@ def on_a_chrono_vehicle(contact: TyreInput) -> TyreInput:
     )
 
 
-def _longitudinal(p: Coefficients, s: State) -> _Curve:
+def _longitudinal(p: Coefficients, s: TyreState) -> _Curve:
     df, dp = s.load_change, s.pressure_change
     Sh = (p.PHX1 + p.PHX2 * df) * p.LHX
     Sv = s.load * (p.PVX1 + p.PVX2 * df) * p.LVX * p.LMUX
@@ -105,7 +105,7 @@ def _longitudinal(p: Coefficients, s: State) -> _Curve:
     return _curve((C, D, E, K), x, Sh, Sv)
 
 
-def _lateral(p: Coefficients, s: State) -> _Curve:
+def _lateral(p: Coefficients, s: TyreState) -> _Curve:
     df, dp = s.load_change, s.pressure_change
     camber = s.camber * p.LGAY
     Sh = (p.PHY1 + p.PHY2 * df) * p.LHY + p.PHY3 * camber * p.LKYG
@@ -128,13 +128,13 @@ def _curve(shape: tuple[Scalar, ...], slip: Scalar, shift: Scalar, rise: Scalar)
     return _Curve(force, rise, D, K, shift, B * C)
 
 
-def _along_weight(p: Coefficients, s: State) -> Scalar:
+def _along_weight(p: Coefficients, s: TyreState) -> Scalar:
     E = at_most_one(p.REX1 + p.REX2 * s.load_change)
     B = ops.absolute(p.RBX1 * ops.cos(ops.atan(p.RBX2 * s.slip)) * p.LXAL)
     return weight(B, p.RCX1, E, s.angle + p.RHX1) / weight(B, p.RCX1, E, p.RHX1)
 
 
-def _across_weight(p: Coefficients, s: State, friction: Scalar) -> tuple[Scalar, Scalar]:
+def _across_weight(p: Coefficients, s: TyreState, friction: Scalar) -> tuple[Scalar, Scalar]:
     df = s.load_change
     E, Sh = at_most_one(p.REY1 + p.REY2 * df), p.RHY1 + p.RHY2 * df
     B = p.RBY1 * ops.cos(ops.atan(p.RBY2 * (s.angle - p.RBY3))) * p.LYKA
@@ -145,7 +145,7 @@ def _across_weight(p: Coefficients, s: State, friction: Scalar) -> tuple[Scalar,
 
 
 def _aligning(
-    p: Coefficients, s: State, across: _Curve, force: Scalar, ratio: Scalar | None
+    p: Coefficients, s: TyreState, across: _Curve, force: Scalar, ratio: Scalar | None
 ) -> Scalar:
     """Return M_z; ``ratio`` is K_x κ/K_y where the longitudinal slip counts."""
     df, dp, g = s.load_change, s.pressure_change, s.camber * p.LGAZ

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from vehicledyn.road.tyres.pacejka import formula_52, formula_61
 from vehicledyn.road.tyres.pacejka.coefficient_values import Coefficients
-from vehicledyn.road.tyres.pacejka.state import Slip, State, state_of
+from vehicledyn.road.tyres.pacejka.state import Slip, TyreState, state_of
 from vehicledyn.road.tyres.tyre import RelaxationLengths, TyreInput
 from vehicledyn.symbolic import ops
 
@@ -57,7 +57,7 @@ def by_stiffness(p: Coefficients, contact: TyreInput) -> RelaxationLengths:
     )
 
 
-def _slip_stiffness(p: Coefficients, s: State) -> tuple[ops.Scalar, ops.Scalar]:
+def _slip_stiffness(p: Coefficients, s: TyreState) -> tuple[ops.Scalar, ops.Scalar]:
     """Return K_xκ and K_yα."""
     camber = ops.sin(s.camber)
     if p.PKY4 == 2.0 and p.PKY5 == 0.0:  # version 5.2

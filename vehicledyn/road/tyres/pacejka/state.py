@@ -48,7 +48,7 @@ class Slip(NamedTuple):
 
 
 @dataclass(frozen=True)
-class State:
+class TyreState:
     """Inputs of the formulas.
 
     Attributes
@@ -80,12 +80,12 @@ class State:
     share: Scalar
 
 
-def state_of(p: Coefficients, contact: TyreInput) -> State:
+def state_of(p: Coefficients, contact: TyreInput) -> TyreState:
     """Return the state at a contact, its values kept where the formulas have meaning."""
     nominal = p.FNOMIN * p.LFZO
     load = ops.minimum(floored(contact.normal_force, LOAD_FLOOR * nominal), LOAD_CEILING * nominal)
     quarter = 0.5 * math.pi
-    return State(
+    return TyreState(
         load,
         nominal,
         (load - nominal) / nominal,
@@ -140,7 +140,7 @@ def resistance_share(speed: Scalar) -> Scalar:
     return u * (1.5 - 0.5 * u * u)
 
 
-def sliding_friction(p: Coefficients, state: State, scale: Scalar) -> Scalar:
+def sliding_friction(p: Coefficients, state: TyreState, scale: Scalar) -> Scalar:
     """Return λ* = λ / (1 + λ_V V_s/V_0), the friction scale that decays with sliding speed."""
     if ops.is_structurally_zero(p.LMUV):
         return scale

@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 from vehicledyn.road.tyres.pacejka.coefficient_values import Coefficients
 from vehicledyn.road.tyres.pacejka.formula_52 import PureCurve
-from vehicledyn.road.tyres.pacejka.state import Slip, State, tangent
+from vehicledyn.road.tyres.pacejka.state import Slip, TyreState, tangent
 from vehicledyn.road.tyres.tyre import TyreInput
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar
@@ -57,7 +57,7 @@ USED = ("PDXP1", "PKYP1", "PDYP1", "PHYP2", "QDTP1", "QCRP1", "QBRP1", "QDRP1")
 def turn_factors(
     p: Coefficients,
     contact: TyreInput,
-    s: State,
+    s: TyreState,
     slip: Slip,
     straight: tuple[PureCurve, PureCurve, Scalar],
 ) -> TurnSlipFactors:
@@ -103,7 +103,7 @@ class _Lever(NamedTuple):
     share: Scalar
 
 
-def _shift(p: Coefficients, s: State, lever: _Lever, stiffness: Scalar) -> Scalar:
+def _shift(p: Coefficients, s: TyreState, lever: _Lever, stiffness: Scalar) -> Scalar:
     """Return S_Hyφ, (4.80) and (4.85) to (4.89); ``stiffness`` is K_yα at no camber."""
     df = s.load_change
     thrust = s.load * (p.PKY6 + p.PKY7 * df) * (1.0 + p.PPY5 * s.pressure_change) * p.LKYC
@@ -116,7 +116,7 @@ def _shift(p: Coefficients, s: State, lever: _Lever, stiffness: Scalar) -> Scala
 
 
 def _spin_moment(
-    p: Coefficients, s: State, slip: Slip, lever: _Lever, side: tuple[Scalar, Scalar]
+    p: Coefficients, s: TyreState, slip: Slip, lever: _Lever, side: tuple[Scalar, Scalar]
 ) -> tuple[Scalar, Scalar]:
     """Return D_rφ and ζ_7, which brings the moment to its value at 90°, (4.93) to (4.104).
 
