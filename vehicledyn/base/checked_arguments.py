@@ -82,8 +82,11 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
 
 
 def _name_argument(error: InputError, given: Mapping[str, Any]) -> None:
-    """Put the name of an argument in front of an error that begins with its value in quotes."""
-    text = str(error)
+    """Put the name of an argument in front of an error that begins with its value in quotes.
+
+    Where the error does not know its argument and several have this value, all are named.
+    """
+    text, names = str(error), list[str]()
     for name, value in given.items():
         items = value if isinstance(value, list | tuple | Mapping) else [value]
         texts = [str(item) for item in items if isinstance(item, str | Path)]
@@ -91,8 +94,10 @@ def _name_argument(error: InputError, given: Mapping[str, Any]) -> None:
             f"'{word}'" for item in texts for word in (item, item.removeprefix("parameters."))
         )
         if any(text.startswith(words) for words in quoted):
-            error.args = (f"{argument(name)}: {text}", *error.args[1:])
-            return
+            names.append(name)
+    names = [error.argument] if error.argument in names else names
+    if names:
+        error.args = (f"{' or '.join(map(argument, names))}: {text}", *error.args[1:])
 
 
 def _hints(function: Callable[..., Any]) -> dict[str, Any]:

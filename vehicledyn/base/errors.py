@@ -22,12 +22,12 @@ class VehicledynError(Exception):
 
     Its text is shown to the user as it is, so it says what is wrong, where and what next.
     ``about`` names the parts and coordinates in question, so that their place in a file can be
-    shown.
+    shown; ``argument`` the argument of a function of the front door, where that is known.
     """
 
-    def __init__(self, text: str = "", *, about: Iterable[str] = ()) -> None:
+    def __init__(self, text: str = "", *, about: Iterable[str] = (), argument: str = "") -> None:
         super().__init__(text)
-        self.about = tuple(about)
+        self.about, self.argument = tuple(about), argument
 
 
 class InputError(VehicledynError):

@@ -18,6 +18,16 @@ FUNCTIONS = [
     name for name in vd.__all__ if inspect.isfunction(getattr(vd, name)) and name != "models"
 ]
 
+
+def scattered(**given):
+    law = {"body.mass": {"kind": "normal", "mean": "300 kg", "deviation": "1 kg"}}
+    vd.uncertainty("quarter_car", "max(body.height)", law, method="sequence", **given)
+
+
+def slope(of, to):
+    vd.sensitivity("quarter_car", of, to, duration="0.1 s")
+
+
 MEASURED = {"body.height": ([0.0, 0.1], [0.0, 0.0], "1 mm")}
 
 
@@ -87,6 +97,15 @@ def test_every_argument_of_the_front_door_is_checked(name):
         (lambda: vd.modes({}), "model: give one or more"),
         (lambda: vd.contact_geometry("S1002", "60E1", gauge=1e200), "gauge=1e+200: must be below"),
         (lambda: vd.report("a" * 3000), "result: 'aaaaaaaaaaaa...aaaaaaaaaaaaa' names no file: "),
+        (lambda: vd.hunt("simple_wheelset", 1, 2, points=10**39), "points=1000000000000"),
+        (lambda: scattered(number=10**39), "number: 1000000000000"),
+        (lambda: scattered(seed=-1), "seed: -1: give a whole number"),
+        (lambda: slope("quarter_car", "quarter_car"), "of: 'quarter_car' is neither a key figure"),
+        (lambda: slope("mean(body.height)", "quarter_car"), "to: 'quarter_car' matches no param"),
+        (
+            lambda: vd.sensitivity("quarter_car", "critical_speed", "quarter_car"),
+            "scenario or to: 'quarter_car' has no parameter 'speed'",
+        ),
         (lambda: vd.load_plugin("a\0b"), "path: 'a\\x00b' names no file: embedded null byte"),
     ],
 )  # fmt: skip

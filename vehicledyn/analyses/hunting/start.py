@@ -33,6 +33,10 @@ _APPROACH = 20
 """Values at which an equilibrium is followed from a file's own value to the first one."""
 
 
+MOST_POINTS = 10_000
+"""Cycles of a branch that may be asked for."""
+
+
 @dataclass(frozen=True)
 class HuntSettings:
     """What is asked of a study.
@@ -68,6 +72,8 @@ def check_settings(settings: HuntSettings) -> None:
     if (s.points is not None and s.points < 2) or s.intervals < 5:
         few = f"{argument('points')} must be at least 2, and {argument('intervals')} at least 5"
         raise InputError(few)
+    if s.points is not None and s.points > MOST_POINTS:
+        raise InputError(f"{given('points', s.points)}: give {MOST_POINTS} or fewer")
     if not (s.amplitude > 0.0 and s.disturbance > 0.0):
         raise InputError(
             f"{argument('amplitude')} and {argument('disturbance')} must be above zero"

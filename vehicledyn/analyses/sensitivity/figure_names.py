@@ -58,7 +58,7 @@ def check_names(loaded: LoadedScenario, of: Sequence[str], progress: Progress) -
         If the run fails.
     """
     for words in _looked_up(loaded, of, progress)[1].values():
-        raise InputError(words)
+        raise InputError(words, argument="of")
 
 
 def wrong_figures(loaded: LoadedScenario, of: Sequence[str], progress: Progress) -> dict[str, str]:

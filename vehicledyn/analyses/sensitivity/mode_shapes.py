@@ -48,7 +48,7 @@ def mode_shapes(
     if not kept:
         guess = nearest_name(pattern, names)
         hint = f"; did you mean '{MODE_SHAPES}.{guess}'?" if guess else ""
-        raise InputError(f"'{name}' matches no state of '{e.name}'{hint}")
+        raise InputError(f"'{name}' matches no state of '{e.name}'{hint}", argument="of")
     system = SystemDerivatives(e).at(point, following)
     values, vectors = np.linalg.eig(system.matrix)
     values, vectors = values.astype(complex), vectors.astype(complex)

@@ -57,7 +57,8 @@ def matching(names: Sequence[str], to: Sequence[str], model: str) -> list[int]:
         if not found:
             guess = nearest_name(own, names)
             hint = f"; did you mean '{guess}'?" if guess else ""
-            raise InputError(f"'{pattern}' matches no parameter of '{model}'{hint}")
+            words = f"'{pattern}' matches no parameter of '{model}'{hint}"
+            raise InputError(words, argument="to")
         chosen += [k for k in found if k not in chosen]
     return chosen
 
@@ -93,7 +94,8 @@ def directions(
             guess = nearest_name(own, names)
             hint = f"; did you mean '{guess}'?" if guess else ""
             what = "start value" if is_state else "parameter"
-            raise InputError(f"'{pattern}' matches no {what} of '{equations.name}'{hint}")
+            words = f"'{pattern}' matches no {what} of '{equations.name}'{hint}"
+            raise InputError(words, argument="to")
         chosen += [(is_state, k) for k in found if (is_state, k) not in chosen]
     by_parameter = np.zeros((len(parameters), len(chosen)))
     by_state = np.zeros((len(states), len(chosen)))
@@ -145,7 +147,8 @@ def wanted(equations: Equations, of: Sequence[str], known: Sequence[str]) -> Req
             kinds = ", ".join(f"{kind}(CHANNEL)" for kind in KINDS)
             raise InputError(
                 f"'{name}' is neither a key figure nor a channel of '{equations.name}'{hint} "
-                f"Figures of channels are {kinds}"
+                f"Figures of channels are {kinds}",
+                argument="of",
             )
         found.curves += [item for item in curves if item not in found.curves]
         found.others += [item for item in others if item not in found.others]

@@ -19,6 +19,9 @@ from vehicledyn.studies.mistakes import Mistakes
 from vehicledyn.studies.refused_values import refused_ends
 from vehicledyn.studies.scenario_figures import quick_figures
 
+MOST_RUNS = 10_000_000
+"""Runs of a study."""
+
 _WITHOUT_RISK = ("first_order", "second_order")
 
 _RARE = 1e-3
@@ -74,8 +77,14 @@ def places_of(mistakes: Mistakes, of: Sequence[str]) -> dict[str, Place]:
     return {name: ("of", number) if is_list else ("of",) for number, name in enumerate(of)}
 
 
-def check_method(mistakes: Mistakes, method: str, number: int, limits: Mapping[str, Any]) -> None:
-    """Note a number of runs or limits that a method has no use for."""
+def check_method(
+    mistakes: Mistakes, method: str, number: int, limits: Mapping[str, Any], seed: int
+) -> None:
+    """Note a seed that is none, and a number of runs or limits that a method has no use for."""
+    if seed < 0:
+        mistakes.wrong(("seed",), f"{seed}: give a whole number of zero or more")
+    if number > MOST_RUNS:
+        mistakes.wrong(("number",), f"{number}: give {MOST_RUNS} or fewer")
     if number < 2 or (method == "sobol" and number & (number - 1)):
         words = f"{number}: at least 2, of Sobol indices a power of two"
         mistakes.wrong(("number",), words)

@@ -96,7 +96,7 @@ def find_uncertainty(
         raise InputError(f"method '{method}' is unknown; known are {', '.join(METHODS)}")
     if mistakes is None:
         mistakes = Mistakes()
-        check_method(mistakes, method, number, limits)
+        check_method(mistakes, method, number, limits, seed)
         note_mistakes(
             mistakes, loaded, of=of, parameters=parameters, limits=limits, progress=progress
         )

@@ -16,13 +16,12 @@ from vehicledyn.results.hdf5.kept_work import KeptWork
 from vehicledyn.results.tables.uncertainty_table import UncertaintyTable
 from vehicledyn.studies.mistakes import silent
 from vehicledyn.studies.study_form import StudyForm
-from vehicledyn.studies.uncertainty.checks import check_method, note_mistakes
+from vehicledyn.studies.uncertainty.checks import MOST_RUNS, check_method, note_mistakes
 from vehicledyn.studies.uncertainty.report import UncertaintyReport
 from vehicledyn.studies.uncertainty.run import METHODS, find_uncertainty
 
 _REQUIRED = ("scenario", "of", "parameters")
 _OPTIONAL = ("title", "set", "method", "number", "seed", "limits")
-_MOST_RUNS = 10_000_000
 
 
 @dataclass(frozen=True)
@@ -106,13 +105,13 @@ def load_uncertainty(
     """
     form = StudyForm.read(path, required=_REQUIRED, optional=_OPTIONAL)
     of, method = _figures(form), form.choice("method", "first_order", METHODS)
-    number = int(form.number("number", 256, least=2, most=_MOST_RUNS, whole=True))
+    number = int(form.number("number", 256, least=2, most=MOST_RUNS, whole=True))
     seed = int(form.number("seed", 1, least=0, whole=True))
     parameters, limits = dict(form.entries(("parameters",))), dict(form.entries(("limits",)))
     for name in [name for name, item in limits.items() if not isinstance(item, dict)]:
         form.wrong(("limits", name), "expected a mapping")
         del limits[name]
-    check_method(form.mistakes, method, number, limits)
+    check_method(form.mistakes, method, number, limits, seed)
     loaded = None
     if "scenario" in form.data:
         changes = form.data.get("set")
