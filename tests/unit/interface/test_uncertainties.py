@@ -205,6 +205,15 @@ def test_shares_have_errors(functions):
     assert found.found.mean_error[0] == pytest.approx(found.found.deviation[0] / 8.0)
 
 
+@pytest.mark.parametrize("method", ["first_order", "second_order", "sobol", "polynomial_chaos"])
+def test_a_parameter_that_does_nothing_is_warned_of(functions, method):
+    """The curved figure does not depend on z."""
+    found = vd.uncertainty(functions, "final(curved)", LINE, method=method, number=16, **TINY)
+    assert [n for n in found.notes if "changes no figure" in n] == [
+        "warning: 'z' changes no figure"
+    ]
+
+
 def test_tolerances_of_hardpoints_scatter_the_bump_steer():
     """Figures of the rig: the deviation of toe by travel is that of the exact derivatives."""
     figure, heights = "rig(wheel.toe_gain, parallel)", ["track_rod.inner.z", "track_rod.outer.z"]

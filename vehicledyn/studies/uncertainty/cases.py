@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+import os
+from collections.abc import Generator, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
@@ -24,6 +27,12 @@ from vehicledyn.studies.uncertainty.checks import check_limits, places_of, read_
 from vehicledyn.studies.uncertainty.report import Risk, UncertaintyReport
 
 Floats = NDArray[np.float64]
+
+_ROUNDING = 1e-20
+"""Part of the variance below which a parameter brings nothing but rounding."""
+
+_AT_ONCE = 1024
+"""Runs that wait for a core at most."""
 
 _STEP = 0.1
 """Step of differences of first derivatives, in deviations of the parameter."""
@@ -141,12 +150,12 @@ class RandomCases:
         NumericalError
             If the run fails.
         """
-        return np.array(self._entry(point.tolist(), point, follows=False)["values"], dtype=float)
+        return self._values(self._entry(point.tolist(), point, follows=False))
 
     def figures_at(self, points: Floats) -> Floats:
         """Return the figures at some points, shape (number, m); they are those of the report.
 
-        Figures of runs that fail are not a number.
+        They are computed at once on all cores. Figures of runs that fail are not a number.
 
         Raises
         ------
@@ -155,19 +164,20 @@ class RandomCases:
         """
         rows: list[Floats | None] = []
         failures: list[str] = []
-        for count, point in enumerate(points):
-            try:
-                rows.append(self.values_at(point))
-            except NumericalError as error:
-                rows.append(None)
-                failures.append(str(error))
+        with closing(self._entries(points)) as entries:
+            for point, entry in zip(points, entries, strict=True):
+                try:
+                    rows.append(self._values(self._noted(point.tolist(), entry)))
+                except NumericalError as error:
+                    rows.append(None)
+                    failures.append(str(error))
                 if len(failures) > min(len(points) // 2, len(points) - 2):
                     raise NumericalError(
                         f"{len(failures)} of the first {len(rows)} runs failed, too many to speak "
                         "of a scatter: narrow the distributions or mend the model; the first: "
                         f"{failures[0]}"
-                    ) from error
-            self.progress("computing samples", (count + 1) / len(points))
+                    )
+                self.progress("computing samples", len(rows) / len(points))
         missing = np.full(len(self.quantities), np.nan)
         found = [missing if row is None else row for row in rows]
         self.known += found
@@ -175,9 +185,40 @@ class RandomCases:
         self.failures += failures
         return np.array(found)
 
+    def _entries(self, points: Floats) -> Generator[dict[str, Any]]:
+        """Yield what is known of runs at points in order; the first is alone, to be checked."""
+
+        def known(point: Floats) -> dict[str, Any]:
+            return self.runs.recall("run", point.tolist(), partial(self._run, point, follows=False))
+
+        yield known(points[0])
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            for begin in range(1, len(points), _AT_ONCE):
+                runs = [pool.submit(known, point) for point in points[begin : begin + _AT_ONCE]]
+                try:
+                    for run in runs:
+                        yield run.result()
+                finally:
+                    for run in runs:
+                        run.cancel()
+
+    @staticmethod
+    def _values(entry: dict[str, Any]) -> Floats:
+        return np.array(entry["values"], dtype=float)
+
     def _entry(self, key: list[Any], point: Floats, *, follows: bool) -> dict[str, Any]:
-        self.asked_for.add(tuple(key))
         entry = self.runs.recall("run", key, partial(self._run, point, follows=follows))
+        return self._noted(key, entry)
+
+    def _noted(self, key: list[Any], entry: dict[str, Any]) -> dict[str, Any]:
+        """Count a run and note what it shows.
+
+        Raises
+        ------
+        NumericalError
+            If it failed.
+        """
+        self.asked_for.add(tuple(key))
         if "failure" in entry:
             raise NumericalError(str(entry["failure"]))
         self.quantities = tuple(Quantity(*item) for item in entry["figures"])
@@ -219,6 +260,16 @@ class RandomCases:
             f"figures count as those of the others do; the first {first}"
         ]
 
+    def _idle(self, shares: Floats | None) -> list[str]:
+        """Return a warning of parameters that bring no part of any figure's variance."""
+        if shares is None:
+            return []
+        return [
+            f"warning: '{name}' changes no figure"
+            for k, name in enumerate(self.names)
+            if np.all(np.abs(shares[:, k]) < _ROUNDING)
+        ]
+
     def _failed_runs(self) -> list[str]:
         """Return a warning of samples that have no figures, the first of which it describes."""
         if not self.failures:
@@ -255,7 +306,12 @@ class RandomCases:
             totals,
             len(self.asked_for),
             list(risks),
-            (*self.notes, *self._driving_failures(), *self._failed_runs()),
+            (
+                *self.notes,
+                *self._idle(shares if totals is None else totals),
+                *self._driving_failures(),
+                *self._failed_runs(),
+            ),
             None if figures is None else np.array(self.points),
             figures,
             *errors,
