@@ -149,12 +149,30 @@ def to_si(value: object, unit: str) -> float:
     return float(number) * given.factor / wanted.factor
 
 
+def with_unit(value: object, unit: str) -> float:
+    """Return a value in SI as :func:`to_si`, that of a file, where numbers but zero need a unit.
+
+    Raises
+    ------
+    InputError
+        As there, and if it is a number without the unit that it needs.
+    """
+    if is_bare(value) and not is_pure(unit):
+        raise InputError(missing_unit(value, unit))
+    return to_si(value, unit)
+
+
 def is_bare(value: object) -> bool:
-    """Return whether a value is a number without a unit; zero is the same in all of them."""
+    """Return whether a value is a number without a unit; zero is the same in all of them.
+
+    So is what is infinite, and what is no number.
+    """
     if isinstance(value, str):
         match = _NUMBER.match(value.strip()) if len(value) <= LONGEST else None
         return match is not None and not match[2] and float(match[1]) != 0.0
-    return isinstance(value, int | float) and not isinstance(value, bool) and value != 0
+    if not isinstance(value, int | float) or isinstance(value, bool):
+        return False
+    return value != 0 and (isinstance(value, int) or math.isfinite(value))
 
 
 _OFTEN = {"m/s": "km/h", "rad": "deg", "rad/s": "deg/s"}

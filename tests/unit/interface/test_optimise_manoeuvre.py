@@ -53,6 +53,7 @@ accuracy: 1e-3
 """
 
 
+CROSSED = "{at: 2 m, from: 1 m, to: 0}"
 GATES = "{at: 2 m, from: 0, to: 1 m}, {at: 1 m, from: 0, to: 1 m}"
 
 
@@ -176,6 +177,19 @@ refinements: 1
         ("model: cart.yaml", "model: cart.yaml\nscenario: other.yaml", "either a model or"),
         ("cart.place_rate: 0}", "cart.place_rate: 0, push: 0}", "only controls with a rate"),
         ("intervals: 10", "periodic: [nothing]", "no state named 'nothing'"),
+        ("from: -4 N, to: 4 N", "from: -4, to: 4 N", "4:9: controls.push: -4 has no unit"),
+        ("from: -4 N, to: 4 N", "from: 4 N, to: 4 N", "4:9: .*nothing is left to choose"),
+        ("to: 4 N", "to: 4 N, rate: .nan", "4:9: controls.push: rate: must be above zero"),
+        ("input: force:cart.place", "input: {force:cart.place: .nan}", "4:17: .*must be finite"),
+        ("push: {", "cart.place: {", "4:15: controls.cart.place: is a name of the model"),
+        ("minimise: time", "minimise: {time: .nan}", "5:18: minimise.time: .* must be finite"),
+        ("minimise: time", "minimise: {time: 0}", "5:11: minimise: all weights are zero"),
+        ("to: 10 s", "to: 10 s, guess: 11 s", "6:11: duration: .*with the guess 11 s"),
+        ("1 m,", ".nan,", "7:19: end.cart.place: nan is no number"),
+        ("1 m,", "{},", "7:19: end.cart.place: needs from, to or both"),
+        ("intervals: 10", "limits: {push: {from: 9 N}}", "8:16: limits.push: .*of the control"),
+        ("intervals: 10", "step: .nan", "8:7: step: must be finite"),
+        ("intervals: 10", "tolerance: 0", "8:12: tolerance: must be above zero"),
     ],
 )  # fmt: skip
 def test_what_means_nothing_is_refused(tmp_path, old, new, match):
@@ -192,6 +206,14 @@ def test_what_means_nothing_is_refused(tmp_path, old, new, match):
         ("path: {file: nothing.csv", "nothing.csv"),
         ("end: {path.distance: 30 m}\npath: {straight: {length: 9 m}", "8:22: .* 30 m is too far"),
         (f"path: {{straight: {{length: 9 m}}, gates: [{GATES}]", "order"),
+        (f"path: {{straight: {{length: 9 m}}, gates: [{CROSSED}]", "8:41: path.gates.*crossed"),
+        ("path: {straight: {length: 9}", "8:18: path.straight: 9 has no unit"),
+        ("path: {straight: {length: 9 m}, left: 1 s", "8:39: path.left: '1 s' has the wrong unit"),
+        ("path: {straight: {length: 9 m}, left: .nan", "8:39: path.left: .*finite"),
+        ("path: {straight: {length: 9 m}, closed: no thanks", "8:41: path.closed: .*true or false"),
+        ("path: {opencrg: {file: road.crg}", "8:17: path.opencrg: expected the name of a file"),
+        ("end: {path.distance: -1 m}\nstart: {path.distance: 0}\npath: {straight: {length: 9 m}",
+         "8:22: end.path.distance: is not beyond the start at 0 m"),
     ],
 )  # fmt: skip
 def test_paths_that_cannot_be_followed_are_refused(tmp_path, new, match):

@@ -8,9 +8,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.registry import kinds
-from vehicledyn.base.units import to_si
+from vehicledyn.base.units import with_unit
 from vehicledyn.base.yaml import Document
 from vehicledyn.files.scenario import load_model
 from vehicledyn.files.scenario.settings import override_texts
@@ -105,6 +107,8 @@ def load_manoeuvre(path: Path, overrides: Sequence[str] = ()) -> ManoeuvreStudy:
         "tolerance": form.number("tolerance", 1e-8, least=0.0),
         "most_iterations": form.number("most_iterations", 500, least=1, whole=True),
     }
+    if numbers["tolerance"] == 0.0:
+        form.wrong(("tolerance",), "must be above zero")
     step, speed = _quantity(form, "step", "s", None), _quantity(form, "speed", "m/s", None)
     if step is not None and step <= 0.0:
         form.wrong(("step",), "must be above zero")
@@ -148,7 +152,7 @@ def _ends(form: StudyForm, track: PathTable | None) -> dict[str, Any]:
         begin = 0.0
         if track.closed and not isinstance(start, dict) and start != "free":
             with suppress(InputError):  # of what is told with the start
-                begin = to_si(start, "m")
+                begin = with_unit(start, "m")
         ends["path.distance"] = f"{begin + track.length!r} m"
     return ends
 
@@ -185,10 +189,12 @@ def _controls(form: StudyForm) -> tuple[ControlText, ...]:
             inputs = {str(entry): 1.0 for entry in inputs}
         inputs = inputs if isinstance(inputs, dict) else {}
         factors = list(inputs.values())
-        if not factors or any(
-            isinstance(f, bool) or not isinstance(f, int | float) for f in factors
-        ):
-            form.wrong(("controls", name, "input"), "expected an input, or inputs with factors")
+        place = "controls", name, "input"
+        if not factors or not all(_is_number(factor) for factor in factors):
+            form.wrong(place, "expected an input, or inputs with factors")
+            continue
+        if not all(factors) or not np.isfinite(factors).all():
+            form.wrong(place, "its factors must be finite and not zero")
             continue
         bounds = (item["from"], item["to"], item.get("rate"), item.get("acceleration"))
         found.append(ControlText(name, {str(k): float(v) for k, v in inputs.items()}, *bounds))
@@ -199,11 +205,16 @@ def _terms(form: StudyForm) -> dict[str, float]:
     given = form.data.get("minimise")
     terms = {given: 1.0} if isinstance(given, str) else given
     terms = terms if isinstance(terms, dict) else {}
-    numbers = list(terms.values())
-    if not numbers or any(isinstance(n, bool) or not isinstance(n, int | float) for n in numbers):
+    weights = list(terms.values())
+    if not weights or not all(_is_number(weight) for weight in weights):
         if given not in (None, {}, ""):
             form.wrong(("minimise",), "expected a term, or terms with weights that are numbers")
         return {}
+    for name, weight in terms.items():
+        if not np.isfinite(weight):
+            form.wrong(("minimise", name), "the weight must be finite")
+    if not any(weights):
+        form.wrong(("minimise",), "all weights are zero, so that no motion is better than another")
     return {str(name): float(weight) for name, weight in terms.items()}
 
 
@@ -237,7 +248,14 @@ def _quantity(form: StudyForm, key: str, unit: str, default: float | None) -> fl
     if key not in form.data:
         return default
     try:
-        return to_si(form.data[key], unit)
+        value = with_unit(form.data[key], unit)
     except InputError as error:
         form.wrong((key,), str(error))
         return default
+    if not np.isfinite(value):
+        form.wrong((key,), "must be finite")
+    return value
+
+
+def _is_number(given: Any) -> bool:
+    return isinstance(given, int | float) and not isinstance(given, bool)

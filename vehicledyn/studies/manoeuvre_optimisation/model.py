@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -25,9 +26,9 @@ from vehicledyn.analyses.preparation.prepared import Prepared, Progress
 from vehicledyn.analyses.preparation.runnable import Subject
 from vehicledyn.base.argument_names import PythonNaming, arguments_named
 from vehicledyn.base.errors import InputError, errors_of, unknown_name
-from vehicledyn.base.units import to_si
+from vehicledyn.base.units import with_unit
 from vehicledyn.studies.manoeuvre_optimisation.file import ControlText, ManoeuvreStudy
-from vehicledyn.studies.manoeuvre_optimisation.names import Names, bounds_of
+from vehicledyn.studies.manoeuvre_optimisation.names import PATH, Names, bounds_of
 from vehicledyn.studies.manoeuvre_optimisation.path_file import BEYOND, PathTable
 from vehicledyn.studies.mistakes import Mistakes
 from vehicledyn.symbolic import ops
@@ -101,9 +102,13 @@ def _problem(
 ) -> ControlProblem:
     e, mistakes = prepared.equations, Mistakes(study.document)
     waiting, controls = list(inputs), list[Control]()
+    groups: tuple[Sequence[Any], ...] = (e.states, e.channels, e.unknowns)
+    taken = {item.name for group in groups for item in group} | set(PATH)
     for text in study.controls:
         own = [waiting.pop(0) for _ in text.inputs]
         with mistakes.at("controls", text.name):
+            if text.name in taken:
+                raise InputError("is a name of the model; call the control otherwise")
             controls.append(_control(text, own, prepared, study))
     mistakes.refuse()
     names = Names(e, tuple(controls), study.track is not None)
@@ -149,18 +154,28 @@ def _ranges(
     for group, given, found in groups:
         for name, value in given.items():
             with mistakes.at(group, name):
-                found.append(names.bounded(name, value))
+                item = names.bounded(name, value)
+                found.append(item)
+                if item.what.kind == "control":
+                    control = names.controls[item.what.index]
+                    if item.low > control.high or item.high < control.low:
+                        raise InputError("is outside the bounds of the control")
     for name in study.start:
         with mistakes.at("start", name):
             if names.find(name)[0].kind not in ("state", "control", "path"):
                 raise InputError("only states, controls and the path start so")
             if name == "path.offset":
                 raise InputError("give the states that follow the path instead")
+    begin = -np.inf
+    with mistakes.at("start", "path.distance"):
+        begin = bounds_of(study.start.get("path.distance", "free"), "m")[0]
     if study.track is not None:
         for item in final:
             if item.what.kind == "path" and item.what.index == 0:
                 with mistakes.at("end", item.what.name):
                     _refuse_end_beyond(study.track, item.low)
+                    if item.high <= begin:
+                        raise InputError(f"is not beyond the start at {begin:g} m")
     return limits, final
 
 
@@ -195,9 +210,11 @@ def duration_bounds(study: ManoeuvreStudy) -> tuple[float, float, float]:
     given = study.duration
     low, high = bounds_of(_only_bounds(given), "s")
     guess = given.get("guess") if isinstance(given, dict) else None
-    begin = to_si(guess, "s") if guess is not None else 0.5 * (low + min(high, 1e6))
+    middle = 0.5 * (low + high) if np.isfinite(high) else 2.0 * low
+    begin = with_unit(guess, "s") if guess is not None else middle
     if not 0.0 < low <= begin <= high:
-        raise InputError(f"needs 0 < from <= guess <= to, not {low:g} s to {high:g} s")
+        guessed = "" if guess is None else f" with the guess {begin:g} s"
+        raise InputError(f"needs 0 < from <= guess <= to, not {low:g} s to {high:g} s{guessed}")
     return low, high, begin
 
 
@@ -228,6 +245,8 @@ def _control(
     low, high = bounds_of(bounds, unit)
     if not np.isfinite([low, high]).all():
         raise InputError("needs finite bounds")
+    if low == high:
+        raise InputError("its bounds are equal, so that nothing is left to choose")
     rate = _most("rate", text.rate, f"{unit}/s")
     bend = _most("acceleration", text.acceleration, f"{unit}/s^2")
     if not moves and np.isfinite(bend):
@@ -248,10 +267,10 @@ def _most(key: str, given: Any, unit: str) -> float:
     if given is None:
         return float("inf")
     try:
-        value = to_si(given, unit)
+        value = with_unit(given, unit)
     except InputError as error:
         raise InputError(f"{key}: {error}") from None
-    if value <= 0.0:
+    if not value > 0.0:
         raise InputError(f"{key}: must be above zero")
     return value
 

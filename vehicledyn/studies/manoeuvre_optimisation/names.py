@@ -12,7 +12,7 @@ import numpy as np
 
 from vehicledyn.analyse.optimal_control.problem import BoundedExpression, Control, PointExpression
 from vehicledyn.base.errors import InputError, unknown_name
-from vehicledyn.base.units import parse_unit, to_si
+from vehicledyn.base.units import parse_unit, with_unit
 from vehicledyn.symbolic.equations import Equations
 
 PATH = {"path.distance": 0, "path.offset": 1}
@@ -127,10 +127,21 @@ def bounds_of(given: Any, unit: str) -> tuple[float, float]:
     if given == "free":
         return -_INF, _INF
     if not isinstance(given, dict):
-        value = to_si(given, unit)
+        value = _number(given, unit)
+        if np.isinf(value):
+            raise InputError("must be finite")
         return value, value
-    low = to_si(given["from"], unit) if "from" in given else -_INF
-    high = to_si(given["to"], unit) if "to" in given else _INF
+    if "from" not in given and "to" not in given:
+        raise InputError("needs from, to or both")
+    low = _number(given["from"], unit) if "from" in given else -_INF
+    high = _number(given["to"], unit) if "to" in given else _INF
     if low > high:
         raise InputError(f"the bounds are crossed, from {low:g} to {high:g} {unit}")
     return low, high
+
+
+def _number(given: Any, unit: str) -> float:
+    value = with_unit(given, unit)
+    if np.isnan(value):
+        raise InputError("nan is no number")
+    return value

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.files.column_files import ColumnKind, read_columns
-from vehicledyn.base.units import to_si
+from vehicledyn.base.units import with_unit
 from vehicledyn.files.scenario.target import Target
 from vehicledyn.studies.study_form import StudyForm
 
@@ -78,12 +78,23 @@ def read_path(form: StudyForm, given: Any, target: Target) -> PathTable | None:
         form.wrong(("path",), f"expected one of {', '.join(_KINDS)}")
         return None
     kind = found[0]
-    place = given.get("place", [])
-    if not isinstance(place, list) or len(place) not in (0, 2):
-        form.wrong(("path", "place"), "expected the states x and y that follow the path")
+    place, closed = given.get("place", []), given.get("closed", False)
+    wrong = {
+        "closed": "" if isinstance(closed, bool) else "expected true or false",
+        "place": ""
+        if isinstance(place, list) and len(place) in (0, 2)
+        else "expected the states x and y that follow the path",
+        kind: "expected the name of a file"
+        if kind in ("file", "opencrg") and not isinstance(given[kind], str)
+        else "",
+    }
+    for key, words in wrong.items():
+        if words:
+            form.wrong(("path", key), words)
+    if any(wrong.values()):
         return None
     try:
-        line = _LINES[kind](form, given[kind], bool(given.get("closed", False)), target)
+        line = _LINES[kind](form, given[kind], closed, target)
         return _with_corridor(form, given, line, tuple(map(str, place)))
     except InputError as error:
         form.wrong(("path", kind), str(error))
@@ -92,7 +103,7 @@ def read_path(form: StudyForm, given: Any, target: Target) -> PathTable | None:
 
 def _straight(form: StudyForm, given: Any, _: bool, __: Target) -> Line:
     _require(form, "straight", given, ("length",))
-    length = to_si(given.get("length"), "m")
+    length = with_unit(given.get("length"), "m")
     if not 0.0 < length <= _LONGEST:
         raise InputError(f"the length must be above zero and at most {_LONGEST:g} m")
     s = _distances(length)
@@ -101,8 +112,8 @@ def _straight(form: StudyForm, given: Any, _: bool, __: Target) -> Line:
 
 def _arc(form: StudyForm, given: Any, closed: bool, _: Target) -> Line:
     _require(form, "arc", given, ("radius", "angle"))
-    radius = to_si(given.get("radius"), "m")
-    angle = 2.0 * np.pi if closed else to_si(given.get("angle"), "rad")
+    radius = with_unit(given.get("radius"), "m")
+    angle = 2.0 * np.pi if closed else with_unit(given.get("angle"), "rad")
     if not radius or not angle > 0.0:
         raise InputError("the radius must not be zero and the angle must be above zero")
     length = abs(radius) * angle
@@ -208,15 +219,19 @@ def _with_corridor(
 
     s, x, y, about, own = line
     length, closed = float(about[0]), bool(about[1])
-    right, left = (to_si(given[key], "m") if key in given else _WIDE for key in ("right", "left"))
+    sides = {"right": _WIDE, "left": _WIDE}
+    for key in sides:
+        if key in given:
+            sides[key] = form.mistakes.number(("path", key), given[key], "m")
+    right, left = sides.values()
     rows = np.where(np.isnan(own), np.array([0.0, -right, left]), own)
     if "gates" in given:
         rows = _gates(form, given["gates"], length)
     if not len(rows):
         rows = np.array([[0.0, -right, left], [length, -right, left]])
-    rows = np.column_stack(
-        [rows[:, 0], np.maximum(rows[:, 1], -right), np.minimum(rows[:, 2], left)]
-    )
+    rows[:, 1], rows[:, 2] = np.maximum(rows[:, 1], -right), np.minimum(rows[:, 2], left)
+    if form.mistakes.problems:
+        return None
     if not (rows[:, 1] < rows[:, 2]).all() or not np.isfinite(rows).all():
         form.wrong(("path",), "the corridor has no width: its right side is left of its left one")
         return None
@@ -234,7 +249,11 @@ def _gates(form: StudyForm, given: Any, length: float) -> Floats:
         if not isinstance(item, dict) or set(item) != {"at", "from", "to"}:
             form.wrong(("path", "gates", k), "expected a mapping with at, from, to")
             continue
-        rows.append([to_si(item[key], "m") for key in ("at", "from", "to")])
+        place = "path", "gates", k
+        row = [form.mistakes.number((*place, key), item[key], "m") for key in ("at", "from", "to")]
+        if row[1] >= row[2]:
+            form.wrong(place, f"the bounds are crossed, from {row[1]:g} to {row[2]:g} m")
+        rows.append(row)
     table = np.array(rows, dtype=float).reshape(-1, 3)
     if not len(table) or (np.diff(table[:, 0]) <= 0.0).any():
         form.wrong(("path", "gates"), "expected gates in the order of their growing 'at'")
