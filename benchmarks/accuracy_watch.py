@@ -6,7 +6,9 @@ at an eighth of their step. Printed are, per run, how far its worst key figure i
 watch says and what it costs; and in the end how many bad runs (more than 5 % off, or ended early)
 it finds, how many good ones (less than 1 % off) it warns of, and what it says of those between.
 ``--coarse 10`` draws steps from ten times the scenario's own upwards, of which most are bad;
-``--coarsest 10`` none beyond ten times it, of which most are good. ``--cost`` measures the
+``--coarsest 10`` none beyond ten times it, of which most are good. ``--jumping`` takes random
+masses on forces that jump in place of the scenarios; there a curve counts, too, that is off by more
+than a tenth of its range and does not only come a little late. ``--cost`` measures the
 processor time of integrations with and without the watch, which take turns, and compares it with
 that of the whole run: from the scenario in memory, its kernel compiled, to the closed file. It
 visits all scenarios that come with the program and have a fixed step, or those that are named.
@@ -24,6 +26,7 @@ from tempfile import TemporaryDirectory
 from unittest.mock import patch
 
 import numpy as np
+from jumping_systems import jumping_systems
 
 import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.analyses import run_scenario
@@ -33,6 +36,7 @@ from vehicledyn.analyses.simulation.prepared_run import prepare_run
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.base.registry import find
 from vehicledyn.files.scenario import load_scenario
+from vehicledyn.integrate.accuracy.curves import curves_apart
 from vehicledyn.integrate.channel_ranges import Ranges
 from vehicledyn.integrate.judged_quantities import FigureSizes, figure_errors
 
@@ -108,6 +112,10 @@ BAD, GOOD = 0.05, 0.01
 """Errors of a key figure from which a run is bad, and up to which it is good."""
 ENOUGH = 20.0
 """Processor time after which the cost of a scenario is not measured once more [s]."""
+ELSEWHERE = 0.1
+"""Distance of curves, in parts of their ranges, from which a run is bad."""
+METHODS = ("rk4", "rk4", "symplectic_euler")
+IMPLICIT = ("newmark", "hht", "generalised_alpha")
 FINE = 4
 """Steps of the truth in the step of a scenario, or in a tenth of its sampling interval."""
 
@@ -169,7 +177,7 @@ def record(name, solver, interval):
         balance = None if judged.balance is None else judged.balance(*samples)
     ranges = Ranges.of(made.equations, judged.channels)
     ranges.take(np.vstack(values))
-    return outcome, figures, ranges, balance
+    return outcome, figures, ranges, balance, np.vstack(values)
 
 
 @cache
@@ -184,10 +192,11 @@ def truth(name, interval):
     found = []
     for divided in (1, 2):
         step = interval / (divided * count)
-        outcome, figures, ranges, balance = record(
+        outcome, figures, ranges, balance, values = record(
             name, find("solver", kind)(step=step, **more), interval
         )
-        found.append((figures, FigureSizes.of(made.equations, channels, ranges), balance))
+        sizes = FigureSizes.of(made.equations, channels, ranges)
+        found.append((figures, sizes, balance, values, ranges.scales()))
     errors = figure_errors(found[0][0], *found[1][:2])
     settled = not isinstance(outcome, str) and max(errors.values(), default=0.0) < 0.5 * GOOD
     return found[1] if settled and outcome.ended_by is None and errors else None
@@ -198,8 +207,11 @@ def judge(name, solver, interval):
     known = truth(name, interval)
     if known is None:
         return None
-    outcome, figures, _, balance = record(name, solver, interval)
+    outcome, figures, _, balance, values = record(name, solver, interval)
     errors = figure_errors(figures, *known[:2])
+    if Path(name).is_absolute() and len(values) == len(known[3]):
+        distance = float((curves_apart(values, known[3]) / known[4]).max())
+        errors |= {"curve": distance} if distance > ELSEWHERE else {}
     if balance and known[2] and solver.kind != "symplectic_euler":
         errors["energy_drift"] = balance.distance(known[2])
     worst = max(errors, key=errors.get)
@@ -224,7 +236,8 @@ def draw(random, names, coarse, coarsest):
     step = interval / max(1, round(interval / wanted))
     if s.solver.kind == "rkc":
         return name, find("solver", "rkc")(step=step, stages=s.solver.stages), interval
-    kind = ("rk4", "rk4", "symplectic_euler")[random.integers(3)]
+    kinds = (*METHODS, *IMPLICIT) if Path(name).is_absolute() else METHODS
+    kind = kinds[random.integers(len(kinds))]
     return name, find("solver", kind)(step=step), interval
 
 
@@ -331,6 +344,7 @@ def main():
     parser.add_argument(
         "--coarsest", type=float, default=200.0, help="largest multiple of the own step"
     )
+    parser.add_argument("--jumping", action="store_true", help="masses on forces that jump")
     parser.add_argument("--cost", type=int, metavar="REPETITIONS", default=0)
     parser.add_argument("names", nargs="*", help="scenarios, all if none")
     arguments = parser.parse_args()
@@ -338,8 +352,11 @@ def main():
         cost(arguments.cost, arguments.names)
         return
     names = [n for n in NAMES if not arguments.names or Path(n).name in arguments.names]
-    chosen = arguments.number, arguments.seed, names, arguments.coarse, arguments.coarsest
-    print("\n".join(summary(campaign(*chosen))))
+    with TemporaryDirectory() as folder:
+        if arguments.jumping:
+            names = jumping_systems(Path(folder), arguments.number, arguments.seed)
+        chosen = arguments.number, arguments.seed, names, arguments.coarse, arguments.coarsest
+        print("\n".join(summary(campaign(*chosen))))
 
 
 if __name__ == "__main__":

@@ -62,13 +62,14 @@ class Judged:
     """Channels by number, figures made from them, and whether the run is no case among many.
 
     Without figures the extremes and means of the channels are judged themselves. ``balance`` is
-    that of the energy.
+    that of the energy, ``closely`` says that a run of a few milliseconds is always taken again.
     """
 
     channels: list[int]
     figures: Figures | None = None
     by_itself: bool = True
     balance: EnergyWatch | None = None
+    closely: bool = False
 
     @staticmethod
     def usual(equations: Equations) -> Judged:

@@ -17,7 +17,9 @@ def script():
     spec = importlib.util.spec_from_file_location("accuracy_watch", SCRIPT)
     module = importlib.util.module_from_spec(spec)
     sys.modules["accuracy_watch"] = module
-    spec.loader.exec_module(module)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(SCRIPT.parent)
+        spec.loader.exec_module(module)
     return module
 
 
@@ -28,3 +30,11 @@ def test_random_steps_of_light_scenarios(script, needs_compiler):
     for finding, kind in zip(found, classes, strict=True):
         if kind != "grey":
             assert (finding.verdict == "accurate") == (kind == "good"), finding
+
+
+def test_random_steps_of_masses_on_forces_that_jump(script, needs_compiler, tmp_path):
+    names = script.jumping_systems(tmp_path, 3, seed=2)
+    found = script.campaign(5, seed=5, names=names, coarse=20.0)
+    bad = [finding for finding in found if script.class_of(finding) == "bad"]
+    assert len(bad) > 1
+    assert all(finding.verdict != "accurate" for finding in bad)

@@ -56,4 +56,5 @@ def judged_by(subject: Subject, equations: Equations, *, by_itself: bool = True)
         return found
 
     changed = any(getattr(part, "changes_motion", False) for part in subject.system.parts)
-    return Judged(numbers, figures, by_itself, None if changed else balance)
+    energy = None if changed else balance
+    return Judged(numbers, figures, by_itself, energy, closely=by_itself)

@@ -35,6 +35,10 @@ SPENT = 3 * STEPS
 _CHEAP = 2.5e9
 """Operations of a whole run that are always worth their price when it is judged."""
 
+_QUICK, _CLOSER = 4e6, (15, 7, 5)
+"""Operations that a run by itself may always spend on a look with much shorter steps, and in how
+many parts these divide a step."""
+
 _SHARE, _LEAST_WINDOWS, _MOST_WINDOWS = 0.01, 2, 16
 _OVERHEAD, _FREE = 6e5, 6e6
 """Operations that calling a window costs, and that a run by itself may always spend on them."""
@@ -248,6 +252,17 @@ def is_cheap(kernel: Kernel, method: int, steps: float) -> bool:
 def may_be_repeated(kernel: Kernel, grid: StepGrid) -> bool:
     """Return whether a whole run with half the step is cheap."""
     return is_cheap(kernel, grid.method, 2.0 * grid.n_steps)
+
+
+def closer_parts(kernel: Kernel, grid: StepGrid) -> int | None:
+    """Return into how many parts a step is divided where a run costs a few milliseconds.
+
+    They have no measure in common with halves. None is returned where the run costs more.
+    """
+    whole = grid.n_steps * operations_of_step(kernel, grid.method)
+    if kernel.backend != "compiled" or grid.method >= Method.CONSTRAINED or not whole:
+        return None
+    return next((parts for parts in _CLOSER if parts * whole <= _QUICK), None)
 
 
 def window_places(n_intervals: int, count: int) -> list[int]:
