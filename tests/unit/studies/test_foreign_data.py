@@ -7,12 +7,21 @@ import numpy as np
 import pytest
 
 from vehicledyn.base.errors import InputError
+from vehicledyn.studies.identification import foreign_reader
 from vehicledyn.studies.identification.measured_data import (
     CurveColumns,
     MeasuredSignal,
     read_curve,
     read_signals,
 )
+
+
+@pytest.fixture
+def here(monkeypatch):
+    """Read all files in this process, which takes no time to start."""
+    readers = foreign_reader._READERS
+    monkeypatch.setattr(foreign_reader, "read_apart", lambda kind, *given: readers[kind](*given))
+
 
 TIMES, HEIGHTS = np.array([0.0, 0.1, 0.2]), np.array([12.0, np.nan, 14.0])
 TRAVEL, TOE = np.array([-20.0, 0.0, 20.0]), np.array([1.0, 2.0, 4.0])
@@ -110,7 +119,7 @@ def test_what_is_no_curve_is_refused(tmp_path):
     assert (list(found.places), found.gaps) == ([1.0, 0.5], 0)
 
 
-def test_structs_and_columns_of_matlab(tmp_path):
+def test_structs_and_columns_of_matlab(tmp_path, here):
     """Columns and rows, fields of structs, and a column of a matrix."""
     from scipy.io import savemat
 
@@ -129,7 +138,22 @@ def test_structs_and_columns_of_matlab(tmp_path):
             read_signals(path, "run.t", [signal(column, "mm")])
 
 
-def test_matlab_files_that_are_hdf5(tmp_path):
+@pytest.mark.long
+def test_a_damaged_file_ends_no_process_but_that_of_its_reader(tmp_path):
+    """SciPy dies of such a byte; the whole file is read by that other process, too."""
+    from scipy.io import savemat
+
+    path = tmp_path / "a.mat"
+    savemat(path, {"time": TIMES, "z": HEIGHTS})
+    both(path, "z", "mm")
+    content = bytearray(path.read_bytes())
+    content[145] = 255
+    path.write_bytes(content)
+    with pytest.raises(InputError, match=r"a\.mat: (is damaged|cannot be read)"):
+        read_signals(path, "time", [signal("z", "mm")])
+
+
+def test_matlab_files_that_are_hdf5(tmp_path, here):
     """As version 7.3 writes them: behind a block of its own, with complex numbers as fields."""
     path = tmp_path / "a.mat"
     with h5py.File(path, "w", userblock_size=512) as file:
@@ -144,7 +168,7 @@ def test_matlab_files_that_are_hdf5(tmp_path):
     assert list(found.values.values) == list(1j * TOE)
 
 
-def test_channels_of_mdf(tmp_path):
+def test_channels_of_mdf(tmp_path, here):
     """Each with times of its own, gaps where it is marked as invalid, and by its group."""
     asammdf = pytest.importorskip("asammdf")
     path, late = tmp_path / "a.mf4", TIMES + 0.05
@@ -179,7 +203,7 @@ def test_channels_of_mdf(tmp_path):
      b"MATLAB 5.0 MAT-file".ljust(124) + struct.pack("<HH", 0x100, 0x4D49) + b"\7" * 900],
     ids=["empty", "text", "mdf", "hdf5", "mat"],
 )  # fmt: skip
-def test_what_is_no_such_file_is_refused(tmp_path, name, content):
+def test_what_is_no_such_file_is_refused(tmp_path, here, name, content):
     if b"MDF" in content or name.endswith("mf4"):
         pytest.importorskip("asammdf")
     path = tmp_path / name

@@ -180,14 +180,13 @@ def _reader(path: Path) -> Any:
         from vehicledyn.studies.identification.hdf5_data import read_hdf5
 
         return lambda path, names, *_: read_hdf5(path, names)
+    from vehicledyn.studies.identification.foreign_reader import read_apart
+    from vehicledyn.studies.identification.mdf_data import is_mdf
+
     if ending == ".mat":
-        from vehicledyn.studies.identification.matlab_data import read_matlab
-
-        return lambda path, names, *_: read_matlab(path, names)
-    from vehicledyn.studies.identification.mdf_data import is_mdf, read_mdf
-
+        return lambda path, names, *_: read_apart("MATLAB", path, names)
     if ending in (".mf4", ".mdf") or (ending == ".dat" and is_mdf(path)):
-        return lambda path, names, *_: read_mdf(path, names)
+        return lambda path, names, *_: read_apart("MDF", path, names)
     return _of_text
 
 
