@@ -26,6 +26,7 @@ Smaller ones, which are usual, miscount the signs of stiff models' eigenvalues: 
 _OPTIONS: dict[str, Any] = {
     "ipopt.print_level": 0,
     "print_time": False,
+    "show_eval_warnings": False,
     "ipopt.sb": "yes",
     "ipopt.linear_solver": "mumps",
     "ipopt.mumps_pivtol": _PIVOTS,

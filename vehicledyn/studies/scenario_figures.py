@@ -180,8 +180,12 @@ class RunFigures:
             motion = study.followed(chosen, progress)
         else:
             motion = study.plain(progress)
+        pairs = study.figures(self.asked, motion)
+        for slope, item in pairs:
+            if not np.isfinite(slope.value):
+                raise NumericalError(f"'{item.name}' is not a number")
         samples = self._samples(motion) if follows else {}
-        return Found(study.figures(self.asked, motion), driving_failure(study, motion), samples)
+        return Found(pairs, driving_failure(study, motion), samples)
 
     def _samples(self, motion: MotionSlopes) -> dict[str, FigureSamples]:
         """Return the samples of channels whose figures are not linear in them."""
