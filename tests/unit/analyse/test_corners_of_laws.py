@@ -1,5 +1,7 @@
 """Derivatives of motions that pass corners and jumps of laws, against closed forms."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from solve_examples import build, symbols
@@ -17,7 +19,7 @@ from vehicledyn.kernel.engine import Method
 from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.kernel.tangent_code import StepRow, TangentCode
 from vehicledyn.symbolic import ops
-from vehicledyn.symbolic.equations import Block, with_tables
+from vehicledyn.symbolic.equations import Block, Event, with_tables
 from vehicledyn.symbolic.tables import CurveTable
 
 pytestmark = pytest.mark.usefixtures("needs_compiler")
@@ -25,16 +27,17 @@ pytestmark = pytest.mark.usefixtures("needs_compiler")
 STEPS = StepRow(Method.RK4, 0.0, 0.01, 40)
 
 
-def pushed():
+def pushed(*, tick=None):
     """A mass: pushed from a time on, kicked from a place on and stopped from another on.
 
-    Both places are compared with an unknown that is the mass's.
+    Both places are compared with an unknown that is the mass's. A tick is an event at a time, which
+    changes nothing.
     """
     t, x, v, w = symbols("t", "x", "v", "w")
     names = "mass", "push", "on", "kick", "edge", "stop", "gap"
     mass, push, on, kick, edge, stop, gap = parameters = symbols(*names)
     force = ops.where(t > on, push, 0.0) + ops.where(w > edge, kick, 0.0)
-    return build(
+    equations = build(
         "pushed",
         time=t,
         states=[(x, 0.0), (v, 1.0)],
@@ -49,6 +52,10 @@ def pushed():
         positions=(0,),
         velocities=(1,),
     )
+    if tick is None:
+        return equations
+    event = Event("tick", 0, "rising", resets=((1, 0),))
+    return replace(equations, event=ops.stacked(t - tick), reset=ops.stacked(v), events=(event,))
 
 
 def pushed_to(time, mass, push, on, kick, edge, stop, gap):
@@ -85,6 +92,16 @@ def test_derivatives_behind_corners_and_jumps_are_those_of_the_motion():
         [0.0335, 0.06725, 0.105], abs=1e-9
     )
     assert max(corner.missed for corner in motion.corners) > 1e-6
+
+
+def test_corners_behind_an_event_are_passed_as_well():
+    """The motion behind it is looked at anew."""
+    equations = pushed(tick=0.0201)
+    motion = followed(equations, STEPS, 16)
+    values = [p.value for p in equations.parameters]
+    exact = complex_steps(lambda *p: pushed_to(0.16, *p), values)
+    assert motion.slopes[-1] == pytest.approx(exact, rel=1e-8)
+    assert (len(motion.events), len(motion.corners)) == (1, 3)
 
 
 def lined(third):
