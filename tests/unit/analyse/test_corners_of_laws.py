@@ -94,9 +94,10 @@ def test_derivatives_behind_corners_and_jumps_are_those_of_the_motion():
     assert max(corner.missed for corner in motion.corners) > 1e-6
 
 
-def test_corners_behind_an_event_are_passed_as_well():
-    """The motion behind it is looked at anew."""
-    equations = pushed(tick=0.0201)
+@pytest.mark.parametrize("tick", [0.0201, 0.03365, 0.03374, 0.0674])
+def test_corners_in_steps_with_events_and_behind_are_passed_as_well(tick):
+    """The event lies steps before the first corner, or in a step with one, on either side."""
+    equations = pushed(tick=tick)
     motion = followed(equations, STEPS, 16)
     values = [p.value for p in equations.parameters]
     exact = complex_steps(lambda *p: pushed_to(0.16, *p), values)

@@ -40,6 +40,8 @@ _ASIDE = 1e-4
 """Part of a step over which the change of rates is taken."""
 _JUMP = 1e-6
 """Part of the rates by which they jump, if they do."""
+_APART = 1e-5
+"""Part of a function's change behind an event from which on it is not zero at this."""
 _RESOLUTION, _MOST_TRIALS = 0.1 * _CLOSE, 100
 
 Trial = Callable[[float], ConsistentPoint]
@@ -96,8 +98,32 @@ class CornerSteps:
         end = ConsistentPoint(march.time(march.step + 1), moment.state, moment.unknowns)
         return end if taken else None
 
+    def behind(
+        self, trial: Trial, of: tuple[float, float], ends: tuple[ConsistentPoint, ConsistentPoint]
+    ) -> float | None:
+        """Return the fraction behind the first corner within a part of a step, None without one.
+
+        A part that begins within a step begins at an event, at which laws may have corners too.
+        """
+        if self.watch.structure is None:
+            return None
+        values = self._values(ends[0]), self._values(ends[1])
+        marks = self._marks(values[0])
+        changed = self._differs(values[1], marks)
+        near = np.abs(values[0]) <= _APART * np.abs(values[1] - values[0])
+        if of[0] > 0.0 and (changed & near).any():
+            return None
+        if (changed & self.watch.branches.skipped).any():
+            return None
+        found = self._first(trial, of, marks, values)
+        return None if found is None else min(found + _CLOSE, of[1])
+
     def divided(
-        self, step: int, parts: StepParts, ends: tuple[ConsistentPoint, ConsistentPoint]
+        self,
+        step: int,
+        parts: StepParts,
+        ends: tuple[ConsistentPoint, ConsistentPoint],
+        of: tuple[float, float] = (0.0, 1.0),
     ) -> ConsistentPoint | None:
         """Take the tangents through a step, divided at its corners, and return its end.
 
@@ -112,19 +138,21 @@ class CornerSteps:
             How it is taken in parts, from where it begins.
         ends
             Where it begins, and where it ends as a whole.
+        of
+            The fractions that it begins and ends at.
         """
         self.jumped = False
-        watch, fraction, (here, end), count = self.watch, 0.0, ends, 0
+        (fraction, last), watch, (here, end), count = of, self.watch, ends, 0
         values = self._values(here), self._values(end)
         marks = self._marks(values[0])
-        either = (marks == 0.0) | (watch.resting & (step == 0))
+        either = (marks == 0.0) | (watch.resting & (step == 0 and fraction == 0.0))
         marks = np.where(either, self._marks(values[1]), marks)
         trial = parts.trials(fraction)
         for _ in range(_MOST_IN_STEP):
-            corner = self._first(trial, fraction, marks, values)
+            corner = self._first(trial, (fraction, last), marks, values)
             if corner is None:
-                return parts.part((fraction, 1.0)) if count else None
-            span = max(corner - _CLOSE, fraction), min(corner + _CLOSE, 1.0)
+                return parts.part((fraction, last)) if count else None
+            span = max(corner - _CLOSE, fraction), min(corner + _CLOSE, last)
             values_there = self._values(trial(span[1]))
             later = self._marks(values_there)
             changed = (later != marks) & (later != 0.0)
@@ -135,10 +163,10 @@ class CornerSteps:
                     return None
                 here, fraction, count = over, span[1], count + 1
                 watch.weak[changed] = 0.0
-                if fraction >= 1.0:
+                if fraction >= last:
                     return here
                 trial = parts.trials(fraction)
-                end = trial(1.0)
+                end = trial(last)
                 values = values_there, self._values(end)
             else:
                 watch.weak[changed & watch.felt] += 1.0
@@ -169,13 +197,17 @@ class CornerSteps:
         return bool(np.any(jump | (np.abs(after - before) > least)))
 
     def _first(
-        self, trial: Trial, fraction: float, marks: Vector, ends: tuple[Vector, Vector]
+        self,
+        trial: Trial,
+        span: tuple[float, float],
+        marks: Vector,
+        ends: tuple[Vector, Vector],
     ) -> float | None:
         """Return the fraction behind the first change of a branch (Illinois method).
 
-        ``ends`` are the functions at the fraction that is reached and at the step's end.
+        ``ends`` are the functions at the fraction that is reached and at the last one.
         """
-        low, high = fraction, 1.0
+        low, high = span
         below, above = ends
         changed = self._differs(above, marks)
         if not changed.any():

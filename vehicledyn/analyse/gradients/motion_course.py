@@ -27,6 +27,8 @@ _AT_STEP = 1e-6
 """Part of a step that a change of the dependent coordinates may lie beside it."""
 _AT_ONCE, _MOST_NUMBERS = 512, 4_000_000
 """Intervals that are followed at once where nothing happens in them, and tangents of these."""
+_MOST_CORNERS = 16
+"""Corners of laws that a step with events is divided at, at most."""
 _SHORTEST, _REACH = 1e-9, 1.25
 """Parts of a step behind an event of a method of order one, as in a run without derivatives."""
 
@@ -277,8 +279,10 @@ class TangentCourse:
             self.sample()
         return True
 
-    def _here(self) -> ConsistentPoint:
-        return ConsistentPoint(self.time, self.march.state.copy(), self.march.unknowns.copy())
+    def _here(self, fraction: float = 0.0) -> ConsistentPoint:
+        """Return the point reached, at a fraction of the step that is due."""
+        time = self._time_at(fraction) if fraction else self.time
+        return ConsistentPoint(time, self.march.state.copy(), self.march.unknowns.copy())
 
     def _enter(self, point: ConsistentPoint) -> None:
         self.march.state[:], self.march.unknowns[:] = point.state, point.unknowns
@@ -301,20 +305,25 @@ class TangentCourse:
         """Take the step that is due in parts, as a run without derivatives does."""
         step = self.grid.interval / self.grid.per_interval
         fraction, reach, moved = 0.0, 1.0, self._extra.copy()
+        n_corners = len(self.corners) + _MOST_CORNERS
         euler = self.grid.method == Method.SYMPLECTIC_EULER
         while fraction < 1.0 and not self.watch.ended_by:
             begin, end = fraction, min(fraction + reach, 1.0)
             trial, self._names = self._trials(begin), []
             point = trial(end)
-            crosses = self.watch.fires(point)
-            if crosses:
+            ends, corner = (self._here(begin), point), None
+            if len(self.corners) < n_corners:
+                corner = self.corner_steps.behind(trial, (begin, end), ends)
+            if corner is not None and corner < end and not self.watch.fires(trial(corner)):
+                end, point = corner, trial(corner)
+            if self.watch.fires(point):
                 fraction, point = self.watch.cross(trial, begin, end, step)
                 before = trial(fraction)
                 moved = self._cross(before, point, begin, fraction, moved)
                 reach = _SHORTEST / step if euler else 1.0
             else:
                 later = self._extra if end == 1.0 else moved
-                self._part((begin, end), (moved, later))
+                point = self._between((begin, end), (moved, later), point, corner is not None)
                 fraction, reach = end, _REACH * reach
                 moved = later
             self.march.state[:], self.march.unknowns[:] = point.state, point.unknowns
@@ -350,6 +359,35 @@ class TangentCourse:
         moment = MotionPoint(self.time, state, unknowns, self.constants)
         self.bundle.part(self.grid, StepSpan(self.march.step, 1, span), moment, times)
         return ConsistentPoint(self._time_at(span[1]), state, unknowns)
+
+    def _between(
+        self,
+        span: tuple[float, float],
+        times: tuple[Vector, Vector],
+        end: ConsistentPoint,
+        has_corner: bool,
+    ) -> ConsistentPoint:
+        """Take tangents through a part without events; return its end, ``end`` if it is whole.
+
+        It is divided at corners of laws, which do not move with the times at its ends.
+        """
+        corners, begin, tangents = self.corner_steps, self._here(span[0]), self.bundle.state
+        if has_corner:
+
+            def part(inner: tuple[float, float]) -> ConsistentPoint:
+                first = times[0] if inner[0] == span[0] else self._extra
+                return self._part(inner, (first, times[1] if inner[1] == span[1] else self._extra))
+
+            parts = StepParts(self._trials, part, self._enter)
+            found = corners.divided(self.march.step, parts, (begin, end), span)
+            self._enter(begin)
+            if found is not None:
+                passed = CornerPassed(self.time, corners.missed(found, end), corners.jumped)
+                self.corners.append(passed)
+                return found
+            self.bundle.state = tangents
+        self._part(span, times)
+        return end
 
     def _cross(
         self,
