@@ -139,6 +139,14 @@ class EventMonitor:
         fraction, point, fires = self._locate(trial, begin, end, seconds)
         return fraction, self._happen(point, fires)
 
+    def just_behind(self, point: ConsistentPoint) -> ConsistentPoint:
+        """Return a point later by the resolution of time, where forces that begin at it act.
+
+        A force that begins where an event is may not act there yet, as a condition with ``>`` says;
+        methods that take the force at the start of a step for a part of the step would miss it.
+        """
+        return self._later(point, _resolution(point.time))
+
     def _end_beyond(self, time: float, values: Vector) -> None:
         for event, value in zip(self._events, values, strict=True):
             beyond = value < 0.0 if event.direction == "falling" else value > 0.0

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from event_examples import with_events
 from solve_examples import build, symbols
 
 from vehicledyn.integrate.judged_quantities import Judged
@@ -79,3 +80,32 @@ def test_a_push_that_steps_resolve_raises_no_alarm(by, needs_compiler):
     assert largest == pytest.approx(0.3 if by == "time" else np.sqrt(1.2), rel=0.03)
     assert accuracy.verdict == "accurate"
     assert accuracy.error < 0.01
+
+
+@pytest.mark.parametrize("backend", ["compiled", "interpreted"])
+def test_a_force_that_begins_at_an_event_acts_from_there_on(backend):
+    """Without the instant behind the event the step to the next sample has half of the force."""
+    import casadi as ca
+
+    t, x, v, begin = symbols("t", "x", "v", "begin")
+    equations = build(
+        "pushed_from_an_event_on",
+        time=t,
+        states=[(x, 0.0), (v, 0.0)],
+        rates=[v, ca.if_else(t > begin, 10.0, 0.0)],
+        parameters=[(begin, 0.1234)],
+        outputs=[("x", x), ("v", v)],
+    )
+    equations = with_events(equations, ("begins", t - begin, "rising", False, {}))
+    found = []
+    simulate(
+        compile_kernel(equations, backend=backend),
+        Newmark(step=10e-3),
+        start=0.0,
+        stop=0.5,
+        state=[0.0, 0.0],
+        unknowns=[],
+        interval=10e-3,
+        sink=lambda t, x, z, y: found.append(y[:, 1]),
+    )
+    assert np.concatenate(found)[-1] == pytest.approx(10.0 * (0.5 - 0.1234), rel=1e-9)

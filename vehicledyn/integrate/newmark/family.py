@@ -303,7 +303,7 @@ def _crossed(task: Task, steps: _Steps[P], place: P, end: float) -> P:
     _, point = task.watch.cross(trial, 0.0, 1.0, size)
     if point.time <= begin:
         raise _stuck(task, place, size)
-    return steps.start(point)
+    return steps.start(point if task.watch.ended_by else task.watch.just_behind(point))
 
 
 def _trials(
