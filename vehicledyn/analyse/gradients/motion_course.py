@@ -4,25 +4,29 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any, NoReturn
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyse.gradients.corner_steps import CornerSteps, StepParts
+from vehicledyn.analyse.gradients.event_tangents import EventTangents
 from vehicledyn.analyse.gradients.motion_slopes import CornerPassed, EventSlope, SlopeRecorder
-from vehicledyn.analyse.gradients.motion_stretches import PartitionPiece, Stretch, Where
+from vehicledyn.analyse.gradients.motion_stretches import (
+    PartitionPiece,
+    Stretch,
+    Where,
+    raise_failure,
+)
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.integrate.events import ConsistentPoint, EventMonitor
 from vehicledyn.kernel.bundle import Bundle, BundleResult
-from vehicledyn.kernel.engine import Ledger, March, Method, SampleRows, Status, Vector
+from vehicledyn.kernel.engine import Ledger, March, Method, Status, Vector
 from vehicledyn.kernel.tangent_code import MotionPoint, StepRow, StepSpan
 
 Matrix = NDArray[np.float64]
 
 
-_GRAZING = 1e-6
-"""Rate of an event function at its zero, as a part of its mean rate in the step before it."""
 _AT_STEP = 1e-6
 """Part of a step that a change of the dependent coordinates may lie beside it."""
 _AT_ONCE, _MOST_NUMBERS = 512, 4_000_000
@@ -251,7 +255,8 @@ class TangentCourse:
         given = self.grid, way, moment, self.march.sides, corners
         status, taken, samples = self.bundle.march(*given)
         if status not in (Status.SOLVED, Status.EVENT, Status.CORNER):
-            self._refuse(status, way, before)
+            march = replace(self.march, state=before[0], unknowns=before[1])
+            raise_failure(self.kernel, self.code, march, way.n_steps, status)
         self.march.step += taken
         if len(samples.times):
             self.record.looks.append(samples[:3])
@@ -287,20 +292,6 @@ class TangentCourse:
     def _enter(self, point: ConsistentPoint) -> None:
         self.march.state[:], self.march.unknowns[:] = point.state, point.unknowns
 
-    def _refuse(self, status: Status, way: StepSpan, before: tuple[Vector, Vector]) -> NoReturn:
-        """Raise what a run without derivatives raises where it fails, or that tangents do."""
-        march = replace(self.march, state=before[0], unknowns=before[1])
-        found = self.kernel.advance(march, way.n_steps, self._rows())
-        if found not in (Status.SOLVED, Status.EVENT):
-            raise NumericalError(self.kernel.failure(found, march.time(march.step), march.ledger))
-        self.code.check(status, self.time)
-        raise NumericalError(f"the motion has no tangents near t = {self.time:.9g} s")
-
-    def _rows(self) -> SampleRows:
-        e = self.kernel.equations
-        sizes = len(e.states), len(e.unknowns), len(e.channels)
-        return SampleRows(*[np.empty((self.at_once + 1, size)) for size in sizes])
-
     def _step_with_events(self) -> None:
         """Take the step that is due in parts, as a run without derivatives does."""
         step = self.grid.interval / self.grid.per_interval
@@ -319,7 +310,7 @@ class TangentCourse:
             if self.watch.fires(point):
                 fraction, point = self.watch.cross(trial, begin, end, step)
                 before = trial(fraction)
-                moved = self._cross(before, point, begin, fraction, moved)
+                moved = self._cross(before, begin, fraction, moved)
                 reach = _SHORTEST / step if euler else 1.0
             else:
                 later = self._extra if end == 1.0 else moved
@@ -330,11 +321,7 @@ class TangentCourse:
         self.march.memory[:] = 0.0
         self.march.step += 1
         if self.watch.ended_by:
-            self._end(point, moved)
-
-    def _end(self, point: ConsistentPoint, moved: Vector) -> None:
-        """Record the sample where a terminal event ends the motion."""
-        self._record(point, moved)
+            self._record(point, moved)
 
     def _trials(self, begin: float) -> Callable[[float], ConsistentPoint]:
         part, here = replace(self.march), self._here()
@@ -392,52 +379,22 @@ class TangentCourse:
     def _cross(
         self,
         before: ConsistentPoint,
-        after: ConsistentPoint,
         begin: float,
         end: float,
         moved: Vector,
     ) -> Vector:
         """Carry the tangents through the events at a point; return those of its time."""
-        known = self._names
-        all_events = [event.name for event in self.kernel.equations.events]
-        places = [all_events.index(name) for name in known]
-        self._refuse_coincidence(places, before.time)
         earlier = self.kernel.event_values(
             self.march.time(self.march.step, begin), self.march.state, self.march.unknowns
         )
         ahead = self._extra.copy()
         ahead[-1] = 1.0
         self._part((begin, end), (moved, ahead))
-        slopes = self._found(before, ahead).value_slopes[0]
-        n_channels = len(self.code.channels)
-        by_event = slopes[n_channels + places[0]]
-        rate = by_event[-1]
+        slopes = self._found(before, ahead).value_slopes[0][len(self.code.channels) :]
+        passed = EventTangents(self.kernel.equations, self._names, slopes, before.time)
         seconds = before.time - self.march.time(self.march.step, begin)
-        if not abs(rate) * seconds > _GRAZING * abs(earlier[places[0]]):
-            raise NumericalError(
-                f"event '{known[0]}' only grazes its limit at t = {before.time:.9g} s: a smaller "
-                "motion would miss it, so no derivative exists behind it; change the parameters "
-                "or end the run before"
-            )
-        moment = np.append(-by_event[:-1] / rate, 0.0)
-        self.events += [EventSlope(name, before.time, moment[:-1].copy()) for name in known]
-        tangents = self.bundle.state
-        tangents = tangents + np.outer(tangents[:, -1], moment)
-        tangents[:, -1] = 0.0
-        event = self.kernel.equations.events[places[0]]
-        first = n_channels + len(all_events)
-        total = slopes + np.outer(slopes[:, -1], moment)
-        for index, row in event.resets:
-            tangents[index] = total[first + row]
-            tangents[index, -1] = 0.0
-        self.bundle.state = tangents
+        moment = passed.moment(float(earlier[passed.place]), seconds)
+        slope = moment[:-1]
+        self.events += [EventSlope(name, before.time, slope.copy()) for name in self._names]
+        self.bundle.state = passed.behind(self.bundle.state, moment)
         return moment
-
-    def _refuse_coincidence(self, places: list[int], time: float) -> None:
-        events = [self.kernel.equations.events[k] for k in places]
-        if len(events) > 1 and any(event.resets for event in events):
-            names = " and ".join(f"'{event.name}'" for event in events)
-            raise NumericalError(
-                f"the events {names} happen at once at t = {time:.9g} s: which comes first "
-                "decides how the motion goes on, so no derivative exists behind them"
-            )
