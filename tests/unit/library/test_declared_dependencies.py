@@ -15,7 +15,7 @@ _BROUGHT = {"pydantic": "pydantic_core"}
 def _declared():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     extras = project["optional-dependencies"]
-    own = ("cluster", "xarray", "parquet", "control")
+    own = ("cluster", "xarray", "parquet", "control", "mdf")
     lines = [*project["dependencies"], *(line for extra in own for line in extras[extra])]
     names = {re.match(r"[\w.-]+", line).group() for line in lines}
     return {_IMPORTED_AS.get(name, name) for name in names} | {
