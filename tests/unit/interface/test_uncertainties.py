@@ -186,6 +186,11 @@ def test_runs_that_fail_are_left_out_and_told(functions, method):
         failed = np.isnan(found.samples[:, 0])
         assert (failed == (found.points[:, 0] < 0.0)).all()
         assert f"{failed.sum()} of {len(failed)} runs failed" in text
+    if method == "polynomial_chaos":
+        left = found.samples[~failed]
+        assert found.found.mean == pytest.approx(left.mean(axis=0), rel=1e-12)
+        assert found.found.deviation == pytest.approx(left.std(axis=0, ddof=1), rel=1e-12)
+        assert "shares those of polynomials that go on over the region of failed runs" in text
 
 
 def test_samples_most_of_which_fail_are_refused(functions):

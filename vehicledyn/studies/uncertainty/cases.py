@@ -268,14 +268,20 @@ class RandomCases:
             if np.all(np.abs(shares[:, k]) < _ROUNDING)
         ]
 
-    def _failed_runs(self) -> list[str]:
+    def _failed_runs(self, method: str) -> list[str]:
         """Return a warning of samples that have no figures, the first of which it describes."""
         if not self.failures:
             return []
+        whose = (
+            "mean and deviation are those of the others, shares those of polynomials that go on "
+            "over the region of failed runs"
+            if method == "polynomial_chaos"
+            else "mean, deviation and shares are those of the others"
+        )
         return [
             f"warning: {len(self.failures)} of {len(self.known)} runs failed and are left out: "
-            "mean, deviation and shares are those of the others, intervals of chances allow for "
-            f"failed runs on either side of a limit; the first: {self.failures[0]}"
+            f"{whose}, intervals of chances allow for failed runs on either side of a limit; "
+            f"the first: {self.failures[0]}"
         ]
 
     def report(
@@ -308,7 +314,7 @@ class RandomCases:
                 *self.notes,
                 *self._idle(shares if totals is None else totals),
                 *self._driving_failures(),
-                *self._failed_runs(),
+                *self._failed_runs(method),
             ),
             None if figures is None else np.array(self.points),
             figures,

@@ -180,9 +180,9 @@ def _by_samples(method: str) -> Callable[[RandomCases, int, int], UncertaintyRep
                 f"{warning}of runs left out the polynomials miss {missed:.2g} of the variance of "
                 f"{item.name}"
             )
-        return cases.report(
-            method, chaos.spread, shares=chaos.shares(), figures=figures, risks=risks
-        )
+        # where runs fail the polynomials know nothing: what is left is a sample by itself
+        found = chaos.spread if kept.all() else spread(figures[kept])
+        return cases.report(method, found, shares=chaos.shares(), figures=figures, risks=risks)
 
     return sampled
 
