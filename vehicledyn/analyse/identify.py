@@ -26,7 +26,9 @@ _BLIND = 1e-7
 class Estimate:
     """Parameters (n,) with their covariance (n, n) and 95 % intervals (n, 2).
 
-    ``variance`` is that of the weighted residuals, one if the noise was as given; ``blind`` are
+    ``variance`` is that of the weighted residuals, one if the noise was as given, ``data_variance``
+    that without what was known before; ``leverage`` (m,) is which part of each value those of all
+    others do not decide; ``blind`` are
     combinations (k, n) of scaled parameters that the data cannot tell; ``whiteness`` is the
     largest autocorrelation of residuals in its own standard errors; ``n_runs`` counts evaluations,
     ``failures`` are those that came to nothing; ``message`` says how the search ended, and
@@ -37,6 +39,8 @@ class Estimate:
     covariance: Floats
     intervals: Floats
     variance: float
+    data_variance: float
+    leverage: Floats
     blind: Floats
     whiteness: float
     n_runs: int
@@ -51,6 +55,7 @@ def estimate(
     start: Floats,
     bounds: tuple[Floats, Floats],
     most_runs: int | None = None,
+    n_known: int = 0,
 ) -> Estimate:
     """Return the parameters of least weighted squares.
 
@@ -65,6 +70,8 @@ def estimate(
         Lowest and highest values, shape (n,) each.
     most_runs
         Evaluations after which the best point so far is returned; None for a hundred a parameter.
+    n_known
+        How many residuals, the last, are no data but what was known before.
 
     Raises
     ------
@@ -109,8 +116,10 @@ def estimate(
     scale = bounds[1] - bounds[0]
     free = len(left) - len(values)
     variance = float(left @ left / free)
-    _, sizes, rows = np.linalg.svd(jacobian * scale, full_matrices=False)
+    columns, sizes, rows = np.linalg.svd(jacobian * scale, full_matrices=False)
     blind = sizes <= _BLIND * sizes[0]
+    leverage = np.sum(columns[:, ~blind] ** 2, axis=1)
+    data = slice(len(left) - n_known)
     inverse = np.where(blind, np.inf, 1.0 / np.where(blind, 1.0, sizes) ** 2)
     seen = np.where(blind, 0.0, inverse)
     covariance = variance * (rows.T * seen) @ rows * np.outer(scale, scale)
@@ -126,8 +135,10 @@ def estimate(
         covariance,
         intervals,
         variance,
+        float(left[data] @ left[data] / np.sum(1.0 - leverage[data])),
+        leverage,
         rows[blind],
-        _whiteness(left),
+        _whiteness(left[data]),
         len(known),
         tuple(failures),
         "converged" if found.success else str(message),

@@ -209,6 +209,7 @@ parameters:
 
 
 @pytest.mark.long
+@pytest.mark.filterwarnings("ignore:residuals are larger:vehicledyn.AccuracyWarning")
 def test_a_stopped_identification_from_figures_goes_on_to_the_same_result(tmp_path, monkeypatch):
     """Wherever it was stopped, also by taking all runs that it may; no run is made twice."""
     (tmp_path / "shaker.csv").write_text("f [Hz], gain [1]\n1, 1.8\n2, 1.0\n", encoding="utf-8")
@@ -238,6 +239,7 @@ CURVE = {
 
 
 @pytest.mark.long
+@pytest.mark.filterwarnings("ignore:residuals are larger:vehicledyn.AccuracyWarning")
 def test_both_doors_give_the_same_numbers(tmp_path):
     """Curves and figures from a study file, and as arrays."""
     gain, phase = "gain(body.height, road.height)", "phase(body.height, road.height)"

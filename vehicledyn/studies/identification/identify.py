@@ -23,12 +23,14 @@ from vehicledyn.studies.identification.experiments import (
     Experiment,
     Fitting,
     MeasuredChannel,
+    SampleFit,
     check_measured,
 )
 from vehicledyn.studies.identification.figure_fitting import FigureFitting
 from vehicledyn.studies.identification.identified import Unknowns
 from vehicledyn.studies.identification.measured_data import words_on_gaps
 from vehicledyn.studies.identification.measured_figures import given_figures, known_names
+from vehicledyn.studies.identification.residual_notes import notes_on_noise, notes_on_priors
 from vehicledyn.studies.known_names import KnownNames
 from vehicledyn.studies.mistakes import Mistakes
 
@@ -71,7 +73,7 @@ class IdentificationReport:
             low, high = (shown(float(v), unit, digits) for v in found.intervals[k])
             value = shown(float(found.values[k]), unit, digits)
             lines.append(f"  {name} = {value}  (95 %: {low} to {high})")
-        lines.append(f"residuals: {np.sqrt(found.variance):.3g} of the noise given")
+        lines.append(f"residuals: {np.sqrt(found.data_variance):.3g} of the noise given")
         return "\n".join([*lines, *self.table.notes, *known_runs(self.n_known)])
 
     def as_dict(self) -> dict[str, Any]:
@@ -95,7 +97,7 @@ class IdentificationReport:
                 if not name.startswith("start.")
             },
             "covariance": found.covariance.tolist(),
-            "residuals": float(np.sqrt(found.variance)),
+            "residuals": float(np.sqrt(found.data_variance)),
             "held_out": dict(self.held_out),
             "notes": list(self.table.notes),
         }
@@ -190,7 +192,10 @@ def identify_from(
         return np.concatenate([part[0] for part in parts]), np.vstack([part[1] for part in parts])
 
     bounds = unknowns.low, unknowns.high
-    found = estimate(residuals, start=unknowns.start, bounds=bounds, most_runs=most_runs)
+    n_known = int(np.isfinite(unknowns.prior).sum())
+    found = estimate(
+        residuals, start=unknowns.start, bounds=bounds, most_runs=most_runs, n_known=n_known
+    )
     others: dict[str, list[Floats]] = {}
     for item in fittings:
         if (name := item.experiment.name) in held_out:
@@ -199,8 +204,13 @@ def identify_from(
     notes = [
         f"held out: {name}, residuals {size:.3g} of the noise given" for name, size in foretold
     ]
-    notes += [*remarks, *_notes(unknowns, found, chosen)]
-    table = _table(title, unknowns, found, chosen, notes)
+    fits = [
+        (f"{item.experiment.name}/{fit.about.name}".removeprefix("/"), fit)
+        for item in chosen
+        for fit in item.fits(unknowns, found.values)
+    ]
+    notes += [*remarks, *_notes(unknowns, found, chosen, fits)]
+    table = _table(title, unknowns, found, fits, notes)
     return IdentificationReport(
         title, unknowns.names, unknowns.units, found, table, foretold, n_known=runs.n_known
     )
@@ -247,20 +257,18 @@ def _table(
     title: str,
     unknowns: Unknowns,
     found: Estimate,
-    fittings: list[AnyFitting],
+    fits: Sequence[tuple[str, SampleFit]],
     notes: Sequence[str],
 ) -> IdentificationTable:
     """Return the result with the fit of every sample."""
     signals: list[Quantity] = []
     over: list[str] = []
     rows: list[Floats] = []
-    for item in fittings:
-        for fit in item.fits(unknowns, found.values):
-            name = f"{item.experiment.name}/{fit.about.name}".removeprefix("/")
-            which = np.full(len(fit.places), float(len(signals)))
-            signals.append(replace(fit.about, name=name))
-            over.append(fit.over)
-            rows.append(np.stack([which, *fit[2:]]))
+    for name, fit in fits:
+        which = np.full(len(fit.places), float(len(signals)))
+        signals.append(replace(fit.about, name=name))
+        over.append(fit.over)
+        rows.append(np.stack([which, *fit[2:]]))
     number, time, measured, fitted, residual = np.hstack(rows)
     return IdentificationTable(
         title,
@@ -272,7 +280,7 @@ def _table(
         found.intervals[:, 0],
         found.intervals[:, 1],
         found.covariance,
-        found.variance,
+        found.data_variance,
         found.whiteness,
         tuple(signals),
         number,
@@ -285,7 +293,12 @@ def _table(
     )
 
 
-def _notes(unknowns: Unknowns, found: Estimate, fittings: list[AnyFitting]) -> list[str]:
+def _notes(
+    unknowns: Unknowns,
+    found: Estimate,
+    fittings: list[AnyFitting],
+    fits: Sequence[tuple[str, SampleFit]],
+) -> list[str]:
     """Return what a reader of the result must know of it."""
     names = unknowns.names
     notes = failure_notes(found.failures)
@@ -296,8 +309,9 @@ def _notes(unknowns: Unknowns, found: Estimate, fittings: list[AnyFitting]) -> l
     for row in found.blind:
         parts = [f"{row[k]:+.2g} {names[k]}" for k in np.flatnonzero(np.abs(row) > 1e-3)]
         notes.append(f"the data cannot tell {' '.join(parts)}, each as a part of its range")
-    if found.whiteness > _WHITE and found.variance > _SMALL:
+    if found.whiteness > _WHITE and found.data_variance > _SMALL:
         notes.append("warning: residuals are not white; the model misses something")
+    notes += [*notes_on_noise(fits, found), *notes_on_priors(unknowns, found)]
     for k in unknowns.at_bound(found.values):
         notes.append(f"warning: '{names[k]}' lies at its bound; its interval means little")
     for item in fittings:
