@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vehicledyn.base.argument_names import argument
 from vehicledyn.base.checked_arguments import checked
@@ -71,7 +72,10 @@ def identify(
     for channel, parts in measured.items():
         if len(parts) != 3:
             raise InputError(f"{argument('measured')}: {channel}: give times, values and noise")
-        times, values = (np.asarray(part, dtype=float) for part in parts[:2])
+        times, values = (
+            _real(channel, what, part)
+            for what, part in zip(("times", "values"), parts, strict=False)
+        )
         noise = parts[2]
         assert known is not None  # there is a channel
         unit = known.channel_unit(channel)
@@ -83,6 +87,28 @@ def identify(
     if not items and not figures:
         raise InputError(f"{argument('measured')}: give one channel or more, or figures")
     return find(loaded, items, parameters, tell, figures or {})
+
+
+def _real(channel: str, what: str, values: Any) -> NDArray[np.float64]:
+    """Return times or values of a channel as real numbers.
+
+    Raises
+    ------
+    InputError
+        If they are none.
+    """
+    place = f"{argument('measured')}: {channel}: {what}"
+    try:
+        array = np.asarray(values)
+        if array.dtype.kind == "O":
+            array = np.asarray(values, dtype=float)
+    except (TypeError, ValueError):
+        raise InputError(f"{place}: expected an array of real numbers") from None
+    if array.dtype.kind not in "fiub":
+        found = {"c": "complex numbers", "U": "texts", "S": "texts"}.get(array.dtype.kind)
+        words = f"found {found or f'an array of {array.dtype}'}"
+        raise InputError(f"{place}: expected an array of real numbers, {words}")
+    return np.asarray(array, dtype=float)
 
 
 @checked

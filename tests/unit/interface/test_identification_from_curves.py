@@ -284,3 +284,16 @@ def test_figures_that_are_no_mappings_are_named():
         vd.identify("quarter_car", {}, STIFFNESS, figures={"rms(strut.force)": 1.0})
     with pytest.raises(InputError, match="measured: give one channel or more, or figures"):
         vd.identify("quarter_car", {}, STIFFNESS)
+
+
+@pytest.mark.parametrize(
+    ("times", "values", "match"),
+    [
+        ([0.0, 1.0], ["a", "b"], "values: expected an array of real numbers, found texts"),
+        ([0.0, 1.0 + 1.0j], [0.0, 1.0], "times: expected .*, found complex numbers"),
+        ([0.0, [1.0]], [0.0, 1.0], "times: expected an array of real numbers"),
+    ],
+)
+def test_channels_that_are_no_numbers_are_named(times, values, match):
+    with pytest.raises(InputError, match=f"measured: body.height: {match}"):
+        vd.identify("quarter_car", {"body.height": (times, values, "1 mm")}, STIFFNESS)

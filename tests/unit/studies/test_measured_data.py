@@ -1,10 +1,19 @@
 """Measured signals in files."""
 
+from types import SimpleNamespace
+
+import numpy as np
 import pytest
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.studies.identification.experiments import MeasuredChannel
+from vehicledyn.studies.identification.experiments import (
+    Experiment,
+    MeasuredChannel,
+    check_measured,
+)
 from vehicledyn.studies.identification.measured_data import MeasuredSignal, read_signals
+from vehicledyn.studies.identification.measured_figures import at_place
+from vehicledyn.studies.mistakes import Mistakes
 
 HEIGHT = MeasuredSignal("body.height", "height", "m", None, 1e-3, 0.0)
 
@@ -43,3 +52,40 @@ def test_cells_of_signals_that_are_empty_or_nan_are_gaps(tmp_path):
         path.write_text(f"time [s], height [mm]\n0, 12\n{wrong}\n", encoding="utf-8")
         with pytest.raises(InputError, match="is no number"):
             read_signals(path, "time", [HEIGHT])
+
+
+def test_times_without_a_unit_are_seconds(tmp_path):
+    """Values are not: what they measure says no unit that everybody writes."""
+    path = tmp_path / "measured.csv"
+    path.write_text("time, height [mm]\n0, 12\n0.1, 16\n", encoding="utf-8")
+    assert list(read_signals(path, "time", [HEIGHT])[0][0]) == [0.0, 0.1]
+    assert list(read_signals(path, "time", [HEIGHT], "ms")[0][0]) == [0.0, 1e-4]
+    path.write_text("time, height\n0, 12\n", encoding="utf-8")
+    with pytest.raises(InputError, match="states no unit of 'height'; give 'unit'"):
+        read_signals(path, "time", [HEIGHT])
+
+
+@pytest.mark.parametrize(("last", "is_asked"), [(1.2, False), (1000.0, True)])
+def test_times_far_beyond_the_run_may_be_in_another_unit(last, is_asked):
+    signal = MeasuredChannel("height", np.array([0.0, last]), np.zeros(2), 1e-3)
+    loaded = SimpleNamespace(scenario=SimpleNamespace(duration=1.0))
+    mistakes = Mistakes()
+    check_measured(mistakes, Experiment("shaker", loaded, (signal,)))
+    (problem,) = mistakes.problems
+    assert "lie outside the run" in problem.message
+    assert ("'time_unit'" in problem.message) is is_asked
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("foo(body.height)", "is an unknown figure.* Curves over places are gain, phase"),
+        ("gane(body.height, road.height)", "is an unknown figure; did you mean 'gain'"),
+        ("gain(body.height)", "names too little"),
+        ("rms(body.height)", "has no places; leave 'over' out"),
+        ("crash_time", "has no places; leave 'over' out"),
+    ],
+)
+def test_what_is_over_no_places_is_told_why(name, words):
+    with pytest.raises(InputError, match=words):
+        at_place(name, "1 Hz")

@@ -41,13 +41,15 @@ class DataColumn(NamedTuple):
 
 
 def clean_unit(text: object) -> str | None:
-    """Return a unit as a program wrote it, without brackets; None if it is empty.
+    """Return a unit as a program wrote it, without brackets; None if it is empty or None.
 
     Examples
     --------
     >>> clean_unit("[mm]"), clean_unit(b"-"), clean_unit("")
     ('mm', '1', None)
     """
+    if text is None:
+        return None
     words = text.decode("utf-8", "replace") if isinstance(text, bytes) else str(text)
     words = words.strip().strip("\0")
     match = _BRACKETS.fullmatch(words)

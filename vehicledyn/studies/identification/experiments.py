@@ -34,6 +34,9 @@ TIME = "time [s]"
 _COARSE = 0.1
 """Part of the noise that samples may miss between them without a warning."""
 
+_OTHER_UNIT = 10.0
+"""Times its run that a measurement lasts from which on its times may be in another unit."""
+
 
 @dataclass(frozen=True)
 class MeasuredChannel:
@@ -229,11 +232,11 @@ def check_measured(mistakes: Mistakes, experiment: Experiment) -> None:
         place: Place = ("measured", item.channel)
         if experiment.name:
             place = ("experiments", experiment.name, "signals", item.channel)
-        if words := _unusable(item, duration):
+        if words := _unusable(item, duration, is_study=bool(experiment.name)):
             mistakes.wrong(place, words, at_key=True)
 
 
-def _unusable(item: MeasuredChannel, duration: float) -> str:
+def _unusable(item: MeasuredChannel, duration: float, *, is_study: bool) -> str:
     """Return why a measurement cannot be used, empty if it can."""
     if item.times.shape != item.values.shape or item.times.ndim != 1 or not item.times.size:
         return "needs as many values as times, one or more that are no gaps"
@@ -242,12 +245,23 @@ def _unusable(item: MeasuredChannel, duration: float) -> str:
     if np.any(np.diff(item.times) <= 0.0):
         before = float(item.times[int(np.argmax(np.diff(item.times) <= 0.0))])
         return f"its times must grow; the one after {before:g} s does not"
-    at = item.times - item.lag
-    if at[0] < 0.0 or at[-1] > duration * (1.0 + 1e-12):
-        return (
-            f"its times from {at[0]:g} to {at[-1]:g} s lie outside the run from 0 to "
-            f"{duration:g} s; leave the samples beyond out, or change 'duration' or 'lag'"
-        )
+    if words := _beyond(item.times - item.lag, duration, is_study=is_study):
+        return words
     if not item.noise > 0.0:
         return "the deviation of its noise must be above zero"
     return ""
+
+
+def _beyond(at: Floats, duration: float, *, is_study: bool) -> str:
+    """Return words on times that lie outside a run, empty if they lie inside."""
+    if at[0] >= 0.0 and at[-1] <= duration * (1.0 + 1e-12):
+        return ""
+    change = "'duration' or 'lag'" if is_study else "'duration'"
+    words = (
+        f"its times from {at[0]:g} to {at[-1]:g} s lie outside the run from 0 to "
+        f"{duration:g} s; leave the samples beyond out, or change {change}"
+    )
+    if at[-1] - at[0] < _OTHER_UNIT * duration:
+        return words
+    unit = "give the unit that they have as 'time_unit'" if is_study else "convert them"
+    return f"{words}; if they are not in seconds, {unit}"

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.analyse.gradients.key_figures import KINDS
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.analyses.sensitivity.figure_names import wrong_figures
 from vehicledyn.analyses.sensitivity.known_analyses import RUN, analysis_of
@@ -34,7 +35,13 @@ Floats = NDArray[np.float64]
 
 KEYS = ("value", "over", "over_unit", "column", "unit", "noise", "relative_noise")
 
-_CURVES = ("gain", "phase", "real", "imaginary", "rig", "kinematics", "steady")
+_SUCH = {
+    **{part: f"{part}(CHANNEL, INPUT)" for part in ("gain", "phase", "real", "imaginary")},
+    "rig": "rig(wheel.toe_angle, parallel)",
+    "kinematics": "kinematics(wheel.toe_angle, wheel.z)",
+    "steady": "steady(roll_angle, constant_radius)",
+}
+_CURVES = tuple(_SUCH)
 _CALL = re.compile(r"(\w+)\((.+)\)")
 GIVEN_KEYS = ("value", "over", "over_unit", "values", "unit", "noise", "relative_noise")
 """What a figure is given by in a study, and in Python."""
@@ -89,13 +96,25 @@ def at_place(name: str, place: str) -> str:
     """
     match = _CALL.fullmatch(name)
     if match is None or analysis_of(name) == RUN:
-        guess = nearest_name(name.partition("(")[0], _CURVES)
-        hint = f"did you mean '{guess}'? Else " if guess else ""
-        words = f"has no places; {hint}leave 'over' out and give its 'value'"
-        raise InputError(f"'{name}' {words}")
+        raise InputError(f"'{name}' {_no_curve(name)}")
     parts = [part.strip() for part in match[2].split(",")]
     behind = next((k for k, part in enumerate(parts) if "=" in part), len(parts))
     return f"{match[1]}({', '.join([*parts[:behind], place, *parts[behind:]])})"
+
+
+def _no_curve(name: str) -> str:
+    """Return why a name is not that of a curve."""
+    kind, is_call, _ = name.partition("(")
+    if kind in _CURVES:
+        return f"names too little; a curve over places is such as {_SUCH[kind]}"
+    if not is_call or kind in KINDS:
+        return "has no places; leave 'over' out and give its 'value'"
+    guess = nearest_name(kind, [*_CURVES, *KINDS])
+    hint = f"; did you mean '{guess}'?" if guess else "."
+    return (
+        f"is an unknown figure{hint} Curves over places are {', '.join(_CURVES)}, and figures of "
+        f"one 'value' are {', '.join(KINDS)} of a channel"
+    )
 
 
 def read_figures(
