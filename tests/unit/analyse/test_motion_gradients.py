@@ -294,3 +294,15 @@ def test_an_equilibrium_follows_its_parameters():
     by_state, by_parameter = rate_slopes(code, balance, np.eye(2))
     assert by_state[1] == pytest.approx([-3.0 * 25.0 * rest**2, 0.0])
     assert by_parameter[1] == pytest.approx([-(rest**3) / 2.0, 50.0 * rest**3 / 4.0])
+
+
+def test_motions_that_diverge_are_refused_as_by_runs():
+    """Steps far too long for an oscillator of 1000 rad/s, of which mean squares would be 1e98."""
+    with pytest.raises(NumericalError, match="the integration diverges with a step of 5 ms"):
+        followed(oscillator(1e6), StepRow(Method.RK4, 0.0, 0.05, 10), 10)
+
+
+def test_the_peak_is_the_largest_magnitude():
+    """Its derivative is that of the magnitude."""
+    found = figure_slope("peak", np.arange(3.0), np.array([1.0, -3.0, 2.0]), np.eye(3))
+    assert (found.value, *found.slope) == (3.0, 0.0, -1.0, 0.0)

@@ -38,6 +38,8 @@ _NEGLIGIBLE, _LOUD = 1e-3, (1e-7, 1e-10)
 of states that it has in a step at least."""
 _ASIDE = 1e-4
 """Part of a step over which the change of rates is taken."""
+_SMALLEST = 1e-6
+"""Size of a state, in SI units, below which nobody asks by what part of it a step misses."""
 _JUMP = 1e-6
 """Part of the rates by which they jump, if they do."""
 _APART = 1e-5
@@ -175,7 +177,8 @@ class CornerSteps:
 
     def missed(self, divided: ConsistentPoint, whole: ConsistentPoint) -> float:
         """Return by what part of a state's size a whole step misses the divided one."""
-        return float(np.max(np.abs(divided.state - whole.state) / self.watch.sizes))
+        sizes = np.maximum(self.watch.sizes, np.maximum(np.abs(divided.state), _SMALLEST))
+        return float(np.max(np.abs(divided.state - whole.state) / sizes))
 
     def _is_felt(self, trial: Trial, begin: float, span: tuple[float, float]) -> bool:
         """Return whether the rates jump at a corner, or their change with time does."""
@@ -259,6 +262,7 @@ class CornerSteps:
                 return None
             self.jumped = True
             tangents = self._bundle.state
+            jump[np.abs(jump) <= _JUMP * np.abs(rates[0])] = 0.0
             tangents[:, : len(moved)] -= np.outer(jump, moved)
             self._bundle.state = tangents
         parts.enter(parts.part((near, behind)))

@@ -119,7 +119,7 @@ def _mean_square(time: Floats, values: Floats, slopes: Floats, end: Floats) -> F
 KINDS: dict[str, Callable[[Floats, Floats, Floats, Floats], FigureSlope]] = {
     "max": lambda t, y, dy, _: _extreme(t, y, dy, y),
     "min": lambda t, y, dy, _: _extreme(t, y, dy, -y),
-    "peak": lambda t, y, dy, _: _extreme(t, y, dy, np.abs(y)),
+    "peak": lambda t, y, dy, _: _extreme(t, np.abs(y), np.sign(y)[:, None] * dy, np.abs(y)),
     "rms": _mean_square,
     "mean": _mean,
     "mean_square": _square,
@@ -127,7 +127,7 @@ KINDS: dict[str, Callable[[Floats, Floats, Floats, Floats], FigureSlope]] = {
     "initial": lambda t, y, dy, _: FigureSlope(float(y[0]), dy[0]),
     "final": lambda t, y, dy, _: FigureSlope(float(y[-1]), dy[-1]),
 }
-"""Figures by name; the peak is the value of largest magnitude, with its sign."""
+"""Figures by name; the peak is the largest magnitude."""
 
 
 NOT_LINEAR = ("max", "min", "peak", "rms", "mean_square")

@@ -12,13 +12,10 @@ from numpy.typing import NDArray
 from vehicledyn.analyse.gradients.corner_steps import CornerSteps, StepParts
 from vehicledyn.analyse.gradients.event_tangents import EventTangents
 from vehicledyn.analyse.gradients.motion_slopes import CornerPassed, EventSlope, SlopeRecorder
-from vehicledyn.analyse.gradients.motion_stretches import (
-    PartitionPiece,
-    Stretch,
-    Where,
-    raise_failure,
-)
+from vehicledyn.analyse.gradients.motion_stretches import PartitionPiece, Stretch, Where
+from vehicledyn.analyse.gradients.step_failures import raise_failure, refuse_divergence
 from vehicledyn.base.errors import NumericalError
+from vehicledyn.integrate.accuracy.divergence import state_limits
 from vehicledyn.integrate.events import ConsistentPoint, EventMonitor
 from vehicledyn.kernel.bundle import Bundle, BundleResult
 from vehicledyn.kernel.engine import Ledger, March, Method, Status, Vector
@@ -81,6 +78,7 @@ class TangentCourse:
         given = self.kernel, self.code, self.bundle, self._by_parameter
         self.corner_steps = CornerSteps(*given)
         state, guess = start
+        self._limits = state_limits(state)
         time = grid.start + grid.interval * step / grid.per_interval
         unknowns = self.code.solved(time, state, guess, self.constants)
         point = ConsistentPoint(time, state, unknowns)
@@ -259,6 +257,8 @@ class TangentCourse:
             raise_failure(self.kernel, self.code, march, way.n_steps, status)
         self.march.step += taken
         if len(samples.times):
+            reached = self.kernel.equations, *samples[:2], self._limits, self.grid
+            refuse_divergence(*reached)
             self.record.looks.append(samples[:3])
             found = self.bundle.found(samples, self.constants)
             self.record.take(samples.times, found.values, found.value_slopes)

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyse.gradients.motion_slopes import CornerPassed, EventSlope
-from vehicledyn.base.errors import NumericalError
-from vehicledyn.kernel.engine import March, SampleRows, Sides, Status, Vector
+from vehicledyn.kernel.engine import Sides, Vector
 from vehicledyn.kernel.kernel import Kernel
 from vehicledyn.kernel.tangent_code import TangentCode
 
@@ -66,23 +64,3 @@ class Stretch:
 
 KINDS = (Where, Stretch, EventSlope, CornerPassed)
 """Results of a memory of stretches."""
-
-
-def raise_failure(
-    kernel: Kernel, code: TangentCode, march: March, n_steps: int, status: Status
-) -> NoReturn:
-    """Raise what a run without derivatives raises where steps fail, or that tangents do.
-
-    Raises
-    ------
-    NumericalError
-        Always.
-    """
-    e, time = kernel.equations, march.time(march.step)
-    sizes = len(e.states), len(e.unknowns), len(e.channels)
-    rows = SampleRows(*[np.empty((n_steps // march.per_interval + 1, size)) for size in sizes])
-    found = kernel.advance(march, n_steps, rows)
-    if found not in (Status.SOLVED, Status.EVENT):
-        raise NumericalError(kernel.failure(found, march.time(march.step), march.ledger))
-    code.check(status, time)
-    raise NumericalError(f"the motion has no tangents near t = {time:.9g} s")

@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.analyse.gradients.step_failures import refuse_divergence
 from vehicledyn.base.errors import NumericalError
+from vehicledyn.integrate.accuracy.divergence import state_limits
 from vehicledyn.kernel.engine import March, SampleRows, Status, Vector
 from vehicledyn.kernel.kernel import Kernel
 from vehicledyn.kernel.tangent_code import StepRow
@@ -36,4 +38,5 @@ def sampled_run(
         time = march.time(march.step)
         raise NumericalError(kernel.failure(status, time, march.ledger))
     times = np.asarray(grid.start + grid.interval * np.arange(n_intervals + 1), dtype=float)
+    refuse_divergence(e, times[1:], rows.states[:n_intervals], state_limits(start[0]), grid)
     return times, np.vstack([first, rows.outputs[:n_intervals]]), march.state.copy()

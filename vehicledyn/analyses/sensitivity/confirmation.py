@@ -35,8 +35,8 @@ _NEAR = 0.02
 
 _SUMS = "rms", "mean", "mean_square", "integral"
 
-_LEAST = 1e-11
-"""Smallest effect on a channel that is judged, as a part of its largest value."""
+_LEAST, _LEAST_SUM = 1e-11, 1e-9
+"""Smallest effects on a channel and on a sum that are judged, as parts of their largest values."""
 
 
 def unconfirmed(
@@ -216,7 +216,7 @@ def _missed(
     found = (4.0 * (end[2] - end[3]) - (end[0] - end[1]) / 2.0) / 3.0
     expected = slopes @ steps
     scale = np.max(np.abs(slopes * steps), axis=1)
-    scale = np.maximum(np.maximum(scale, np.abs(expected)), _LEAST * np.abs(end[0]))
+    scale = np.maximum(np.maximum(scale, np.abs(expected)), _LEAST_SUM * np.abs(end[0]))
     part = np.abs(found - expected) / np.where(scale > 0.0, scale, 1.0)
     return {row: float(part[row]) for row in np.flatnonzero(part > _APART).tolist()}
 

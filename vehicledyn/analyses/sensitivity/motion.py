@@ -89,6 +89,8 @@ def _figures_ahead(
     return replace(table, notes=(*table.notes, *unsure))
 
 
+_MOST_LISTED = 12
+"""Events that are listed one by one."""
 _BACK_FROM = 64
 """Directions from which on one figure is found by adjoints."""
 
@@ -230,8 +232,10 @@ def _table(
             notes.append(f"warning: '{figure.name}' has no derivative: {item.trouble}")
     notes += [
         f"event '{event.name}' at {event.time:.6g} s; its instant moves with the parameters"
-        for event in motion.events
+        for event in motion.events[:_MOST_LISTED]
     ]
+    if len(motion.events) > _MOST_LISTED:
+        notes.append(f"and {len(motion.events) - _MOST_LISTED} events more, which move as well")
     notes += [
         f"other coordinates become dependent at {time:.6g} s; the derivatives follow"
         for time in motion.changes

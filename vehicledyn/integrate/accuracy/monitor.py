@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.integrate.accuracy.divergence import DivergenceError
 from vehicledyn.integrate.accuracy.half_step_run import (
     MOVED,
     ends_without_reason,
@@ -24,7 +25,7 @@ from vehicledyn.integrate.accuracy.half_step_run import (
     look_at_start,
     lost_energy,
 )
-from vehicledyn.integrate.accuracy.monitored_run import SEEN, DivergenceError, MonitoredRun
+from vehicledyn.integrate.accuracy.monitored_run import SEEN, MonitoredRun
 from vehicledyn.integrate.accuracy.recommended_step import recommended_step
 from vehicledyn.integrate.accuracy.windows import (
     HALF,

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import NumericalError
+from vehicledyn.integrate.accuracy.divergence import DivergenceError, divergence, state_limits
 from vehicledyn.integrate.accuracy.proposed_step import proposed_step
 from vehicledyn.integrate.accuracy.windows import (
     HALF,
@@ -43,13 +44,6 @@ SEEN = 0.5
 
 KINETIC = "energy.kinetic"
 """Channel of the kinetic energy."""
-
-_HUGE = 1e12
-"""State, in SI units or in its values at the start, beyond which no vehicle gets."""
-
-
-class DivergenceError(NumericalError):
-    """A run that must not go on in any other way, as its step is too long."""
 
 
 @dataclass(frozen=True)
@@ -133,7 +127,8 @@ class MonitoredRun:
         beyond = ~(np.abs(states) <= limits)
         sound = int(np.argmax(beyond.any(axis=1))) if beyond.any() else len(states)
         if sound < len(states):
-            self._divergence = self._words(kernel, float(times[sound]), states[sound], limits)
+            given = kernel.equations, times[sound:], states[sound:], limits
+            self._divergence = self._words(divergence(*given, self.grid.step))
         first, self.taken = self.taken, self.taken + sound
 
         def place(row: int) -> WindowStart:
@@ -171,8 +166,7 @@ class MonitoredRun:
         if known is not None and known.kernel is kernel:
             return known
         e, places = kernel.equations, {c.name: k for k, c in enumerate(kernel.equations.channels)}
-        with np.errstate(over="ignore"):
-            limits = _HUGE * np.maximum(1.0, np.abs(state))
+        limits = state_limits(state)
         if known is None:
             self._count = window_count(kernel, self.grid, by_itself=self.judged.by_itself)
         else:
@@ -211,16 +205,11 @@ class MonitoredRun:
         if self._divergence:
             raise DivergenceError(self._divergence)
 
-    def _words(self, kernel: Kernel, time: float, state: Vector, limits: Vector) -> str:
-        column = int(np.argmax(~(np.abs(state) <= limits)))
-        grown = kernel.equations.states[column]
+    def _words(self, divergence: str) -> str:
         step = self.stable_step() if self.places else None
         is_known = step is not None and step < self.grid.step
         advice = f"a step of {step * 1e3:.4g} ms" if step and is_known else "a shorter step"
-        return (
-            f"state '{grown.name}' is {state[column]:.3g} {grown.unit} at t = {time:.9g} s: the "
-            f"integration diverges with a step of {self.grid.step * 1e3:.4g} ms; take {advice}"
-        )
+        return f"{divergence}; take {advice}"
 
     def window(self, place: WindowStart, finer: Pieces = HALF) -> Vector | None:
         """Return how far finer steps lead from the step in the judged channels.

@@ -70,6 +70,10 @@ class _Part:
         }
 
 
+_ROUNDING = 1e-9
+"""Part of a figure, or of what others change of it, that is no effect of a variable."""
+
+
 class Problem:
     """Figures of a study's scenarios by its variables.
 
@@ -207,9 +211,12 @@ class Problem:
 
     def idle(self) -> list[str]:
         """Return the variables that change no figure at the start."""
-        slopes = self.evaluate(self.start).slopes
-        rows = np.array(list(slopes.values()))
-        return [item.name for k, item in enumerate(self.variables) if not rows[:, k].any()]
+        found = self.evaluate(self.start)
+        effects = np.abs(list(found.slopes.values())) * (self.high - self.low)
+        sizes = np.abs([found.values[name] for name in found.slopes])
+        least = _ROUNDING * np.maximum(sizes, effects.max(axis=1))
+        idle = np.all(effects <= least[:, None], axis=0)
+        return [item.name for k, item in enumerate(self.variables) if idle[k]]
 
     def unconfirmed(self) -> list[str]:
         """Return warnings of derivatives at the start that differences of runs do not confirm."""

@@ -67,11 +67,14 @@ class OptimumReport:
         for k, item in enumerate(table.figures):
             start, best = (shown(float(v[k]), item.unit) for v in table.figure_values)
             lines.append(f"  {item.name}: {start} -> {best}")
+        units = {item.name: item.unit for item in table.figures}
         for (name, sign, value), weight in zip(self.limits, self.multipliers, strict=True):
             if weight and not self.missed:
-                words = "at least" if sign > 0.0 else "at most"
+                words, unit = "at least" if sign > 0.0 else "at most", units.get(name, "1")
+                step = f"1 {unit}".removesuffix(" 1")
                 lines.append(
-                    f"  active: {name} {words} {value:g}; relaxing it by 1 gains {weight:.4g}"
+                    f"  active: {name} {words} {shown(value, unit)}; relaxing it by {step} gains "
+                    f"{weight:.4g}"
                 )
         if table.front and table.front_figure is not None:
             lines.append(f"  front: objective, {table.front_figure.name}, optimality, runs")

@@ -48,7 +48,7 @@ from vehicledyn.analyses.simulation.partitions.singularity_monitor import (
 from vehicledyn.analyses.simulation.partitions.singularity_passing import SingularityPassing
 from vehicledyn.analyses.simulation.run_plan import PieceStart, RunPlan
 from vehicledyn.base.errors import InputError, NumericalError
-from vehicledyn.integrate.accuracy.monitored_run import DivergenceError
+from vehicledyn.integrate.accuracy.divergence import DivergenceError
 from vehicledyn.integrate.course import Beginning, RunHistory
 from vehicledyn.integrate.task import Statistics, joined
 from vehicledyn.kernel.kernel import Kernel

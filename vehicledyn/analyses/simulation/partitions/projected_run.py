@@ -23,7 +23,7 @@ from vehicledyn.analyses.simulation.partitions.rederived import values_of
 from vehicledyn.analyses.simulation.partitions.singularity_crossing import Sample
 from vehicledyn.analyses.simulation.run_plan import PieceStart, RunPlan
 from vehicledyn.base.errors import NumericalError
-from vehicledyn.integrate.accuracy.monitored_run import DivergenceError
+from vehicledyn.integrate.accuracy.divergence import DivergenceError
 from vehicledyn.integrate.course import MethodState, RunHistory, reading_history
 from vehicledyn.integrate.task import Statistics, joined
 from vehicledyn.kernel.kernel import Kernel
