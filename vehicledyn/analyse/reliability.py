@@ -28,6 +28,21 @@ _FARTHEST = 8.0
 _MOST_RUNS, _MOST_STEPS = 100, 12
 """Runs with gradients of a search, and runs along a line, at most."""
 
+_FURTHER_RUNS = 40
+"""Runs with gradients of each search for a further region at most."""
+
+_SIMILAR, _APART = 0.3, 0.3
+"""Part of its distance, and deviations, by which a point differs from one that is known."""
+
+_HALF_WAY = 1e-2
+"""Deviations from half-way to a known point at which a search is on its way there."""
+
+_PART = 1e-3
+"""Part of the likelihood of the nearest point below which others do not count."""
+
+_CHECKED = 32
+"""Lines of a region at most that are checked by a run at a random point."""
+
 _FEWEST_LINES = 2
 """Lines with a crossing that an error needs."""
 
@@ -36,22 +51,37 @@ _NEAR = 1e-4
 
 
 @dataclass(frozen=True)
+class FailingPoint:
+    """A failing point that is the nearest around: parameters (n,), distance, likelihood beyond.
+
+    ``distance`` is signed, above zero where the middle does not fail; ``first_order`` is the chance
+    of failing beyond it, Φ(-distance). ``importance`` (n,) are the parts of the squared distance by
+    parameter.
+    """
+
+    distance: float
+    first_order: float
+    parameters: Floats
+    importance: Floats
+
+
+@dataclass(frozen=True)
 class Reliability:
     """The chance of failing a limit.
 
-    ``index`` is the signed distance of the nearest failing point in deviations, above zero where
-    the middle does not fail; ``first_order`` = Φ(-index). ``point`` (n,) are its parameters,
-    ``importance`` (n,) the parts of the squared distance by parameter. ``chance`` and its standard
-    ``error`` are from lines; ``note`` says what is not as it should be.
+    ``points`` are the nearest failing points of the regions that were found, the nearest of all
+    first; where the middle fails, those of the regions that do not. ``chance`` and its standard
+    ``error`` are from lines around all of them, ``most`` is what may fail beyond the search;
+    ``n_starts`` is how many searches for further regions began; ``note`` says what is not as it
+    should be.
     """
 
-    index: float
-    first_order: float
-    point: Floats
-    importance: Floats
+    points: tuple[FailingPoint, ...]
     chance: float
     error: float
+    n_starts: int
     note: str = ""
+    most: float = 0.0
 
 
 def to_parameters(laws: Sequence[Distribution], u: Floats) -> tuple[Floats, Floats]:
@@ -95,50 +125,150 @@ def failing_chance(
     """
     from scipy.stats import norm
 
-    n = len(laws)
-    start = np.zeros(n)
-    side = 1.0 if margin(to_parameters(laws, start)[0])[0] >= 0.0 else -1.0
-
-    def evaluate(u: Floats) -> Evaluated:
-        x, slopes = to_parameters(laws, u)
-        found, gradient = margin(x)
-        row = -side * gradient * slopes
-        return Evaluated(0.5 * float(u @ u), u.copy(), np.array([-side * found]), row[None, :])
-
-    bounds = np.full(n, -_FARTHEST), np.full(n, _FARTHEST)
-    found = optimise(evaluate, start=start, bounds=bounds, tolerance=1e-12, most_runs=_MOST_RUNS)
-    u, row = found.variables, -side * found.values.jacobian[0]
-    steepest = float(np.linalg.norm(row))
-    distance = float(np.linalg.norm(u))
-    if found.violation > 1e-4 or steepest == 0.0:
+    search = _Search(laws, margin)
+    points, n_starts = search.nearest()
+    side = search.side
+    if not points:
         note = f"no failing point within {_FARTHEST:g} deviations of the middle was found"
+        beyond = _beyond(len(laws))
         chance = 0.0 if side > 0.0 else 1.0
-        return Reliability(
-            side * np.inf, chance, to_parameters(laws, u)[0], np.zeros(n), chance, 0.0, note
+        return Reliability((), chance, 0.0, n_starts, note, beyond)
+    chances, squares, n_lost, n_failed, n_wrong, n_checked = 0.0, 0.0, 0, 0, 0, 0
+    for k, (u, row) in enumerate(points):
+        size = float(np.linalg.norm(row))
+        # towards failure, away from the middle if it does not fail
+        along = -row / size
+        others = np.array([place for place, _ in points[:k] + points[k + 1 :]])
+        lines = _Lines(laws, values, along, float(along @ u), -size, u, others.reshape(-1, len(u)))
+        drawn = np.random.default_rng(seed + k).standard_normal((number, len(u)))
+        crossings = lines.crossings(drawn)
+        known = np.isfinite(crossings)
+        found = lines.tails(drawn[known], crossings[known], side)
+        if len(found) < _FEWEST_LINES:
+            raise NumericalError(f"of {number} lines all but {len(found)} have a run that failed")
+        chances += float(np.mean(found))
+        squares += float(np.var(found, ddof=1) / len(found))
+        n_lost, n_failed = n_lost + lines.n_lost, n_failed + number - len(found)
+        wrong, checked = lines.wrong_sides(drawn[known], crossings[known])
+        n_wrong, n_checked = n_wrong + wrong, n_checked + checked
+    notes, n_lines = [], number * len(points)
+    if n_lost:
+        notes.append(f"{n_lost} of {n_lines} lines have no crossing that could be found")
+    if n_failed:
+        notes.append(f"{n_failed} of {n_lines} lines are left out, as a run on them failed")
+    if n_wrong:
+        notes.append(
+            f"{n_wrong} of {n_checked} runs at random points are on the other side of the limit "
+            "than the lines say, which cross it more than once: the interval does not hold, take "
+            "samples"
         )
-    # towards failure, away from the middle if it does not fail
-    along = -row / steepest
-    lines = _Lines(laws, values, along, float(along @ u), -steepest)
-    crossings = lines.crossings(u, number, seed)
-    chances = norm.sf(crossings[np.isfinite(crossings)])
-    if len(chances) < _FEWEST_LINES:
-        raise NumericalError(f"of {number} lines all but {len(chances)} have a run that failed")
-    error = float(np.std(chances, ddof=1) / np.sqrt(len(chances)))
-    notes = []
-    if lines.n_lost:
-        notes.append(f"{lines.n_lost} of {number} lines have no crossing that could be found")
-    if failed := number - len(chances):
-        notes.append(f"{failed} of {number} lines are left out, as a run on them failed")
-    note = "; ".join(notes)
+    described = []
+    for u, row in points:
+        distance = float(np.linalg.norm(u))
+        parts = u**2 / distance**2 if distance else row**2 / float(row @ row)
+        likely, x = float(norm.sf(side * distance)), to_parameters(laws, u)[0]
+        described.append(FailingPoint(side * distance, likely, x, parts))
     return Reliability(
-        side * distance,
-        float(norm.sf(side * distance)),
-        to_parameters(laws, u)[0],
-        u**2 / distance**2 if distance else along**2,
-        float(np.mean(chances)),
-        error,
-        note,
+        tuple(described),
+        float(np.clip(chances if side > 0.0 else 1.0 - chances, 0.0, 1.0)),
+        float(np.sqrt(squares)),
+        n_starts,
+        "; ".join(notes),
     )
+
+
+def _beyond(n: int) -> float:
+    """Return how likely n standard normal variables are beyond what is searched."""
+    from scipy.stats import chi2
+
+    return float(chi2.sf(_FARTHEST**2, n))
+
+
+class _Search:
+    """Searches for the points nearest to the middle on the other side of a limit."""
+
+    def __init__(
+        self, laws: Sequence[Distribution], margin: Callable[[Floats], tuple[float, Floats]]
+    ) -> None:
+        self.laws, self.margin = laws, margin
+        self.side = 1.0
+        self.side = 1.0 if self.at(np.zeros(len(laws)))[0] >= 0.0 else -1.0
+
+    def at(self, u: Floats) -> tuple[float, Floats]:
+        """Return the margin, above zero on the middle's side, and its gradient (n,)."""
+        x, slopes = to_parameters(self.laws, u)
+        found, gradient = self.margin(x)
+        return self.side * found, self.side * gradient * slopes
+
+    def nearest(self) -> tuple[list[tuple[Floats, Floats]], int]:
+        """Return the points found, nearest first, with gradients of the margin as it is given.
+
+        The first search begins in the middle, where a symmetric figure may have no slope. Others
+        begin mirrored to what it finds and on both sides of each parameter, unless the margin's
+        tangent there leads to the points that are known.
+        """
+        n = len(self.laws)
+        found = self._from(np.zeros(n), _MOST_RUNS, [])
+        points = [] if found is None else [found]
+        reach = float(np.clip(np.linalg.norm(found[0]), 1.0, 3.0)) if found is not None else 3.0
+        starts = [*(reach * np.eye(n)), *(-reach * np.eye(n))]
+        if found is not None:
+            starts.insert(0, -found[0])
+        for start in starts:
+            with suppress(NumericalError):
+                value, row = self.at(start)
+                size = float(row @ row)
+                if size == 0.0:
+                    continue
+                foot = row * (float(row @ start) - value) / size
+                length = float(np.linalg.norm(foot))
+                if length > _FARTHEST or _is_known(foot, points, _SIMILAR * max(length, 1.0)):
+                    continue
+                further = self._from(foot, _FURTHER_RUNS, points)
+                if further is not None and not _is_known(further[0], points, _APART):
+                    points.append(further)
+        points.sort(key=lambda point: float(np.linalg.norm(point[0])))
+        likely = [_likely(u) for u, _ in points]
+        kept = [p for p, chance in zip(points, likely, strict=True) if chance > _PART * likely[0]]
+        return [(u, self.side * row) for u, row in kept], len(starts)
+
+    def _from(
+        self, start: Floats, most_runs: int, known: Sequence[tuple[Floats, Floats]]
+    ) -> tuple[Floats, Floats] | None:
+        """Return the nearest point by one search with the margin's gradient, if it leads to one.
+
+        It keeps to what is nearer to its start than to known points; what ends half-way to one of
+        these is on its way there, and no point of its own.
+        """
+        away = np.array([start - place for place, _ in known]).reshape(-1, len(start))
+        away /= np.linalg.norm(away, axis=1, keepdims=True)
+        halves = np.array([0.5 * (start + place) for place, _ in known]).reshape(away.shape)
+
+        def evaluate(u: Floats) -> Evaluated:
+            value, row = self.at(u)
+            rooms = np.sum((u - halves) * away, axis=1)
+            return Evaluated(
+                0.5 * float(u @ u), u.copy(), np.r_[-value, rooms], np.vstack([-row, away])
+            )
+
+        n = len(start)
+        bounds = np.full(n, -_FARTHEST), np.full(n, _FARTHEST)
+        found = optimise(evaluate, start=start, bounds=bounds, tolerance=1e-12, most_runs=most_runs)
+        u, row = found.variables, -found.values.jacobian[0]
+        on_the_way = np.any(np.sum((u - halves) * away, axis=1) < _HALF_WAY)
+        if found.violation > 1e-4 or on_the_way or not np.any(row):
+            return None
+        return u, row
+
+
+def _likely(u: Floats) -> float:
+    from scipy.stats import norm
+
+    return float(norm.sf(np.linalg.norm(u)))
+
+
+def _is_known(u: Floats, points: Sequence[tuple[Floats, Floats]], distance: float) -> bool:
+    return any(float(np.linalg.norm(u - known)) < distance for known, _ in points)
 
 
 @dataclass
@@ -150,20 +280,69 @@ class _Lines:
     along: Floats
     nearest: float
     slope: float
+    place: Floats
+    others: Floats
     n_lost: int = 0
 
-    def crossings(self, u: Floats, number: int, seed: int) -> Floats:
-        """Return where the lines through free samples cross the limit, shape (number,).
+    def crossings(self, drawn: Floats) -> Floats:
+        """Return where the lines through free samples (k, n) cross the limit, shape (k,).
 
         It is not a number where a run fails.
         """
-        drawn = np.random.default_rng(seed).standard_normal((number, len(u)))
-        across = drawn - np.outer(drawn @ self.along, self.along)
-        found = np.full(number, np.nan)
-        for k, row in enumerate(across):
+        found = np.full(len(drawn), np.nan)
+        for k, row in enumerate(self._bases(drawn)):
             with suppress(NumericalError):
                 found[k] = self._crossing(row)
         return found
+
+    def tails(self, drawn: Floats, crossings: Floats, side: float) -> Floats:
+        """Return how likely lines are beyond their crossings, shape (k,), within what is nearest.
+
+        What is nearer to one of the other places (m, n) is left to that one's lines: regions are
+        counted once each, however they meet. ``side`` is -1 where what does not fail is beyond.
+        """
+        from scipy.stats import norm
+
+        bases = self._bases(drawn)
+        low, high = np.full(len(bases), -np.inf), np.full(len(bases), np.inf)
+        for other in self.others:
+            away = other - self.place
+            # |base + t along - place|² compares linearly in t
+            room = 0.5 * (other @ other - self.place @ self.place) - bases @ away
+            slope = float(self.along @ away)
+            if abs(slope) < 1e-12:
+                high = np.where(room < 0.0, -np.inf, high)
+            elif slope > 0.0:
+                high = np.minimum(high, room / slope)
+            else:
+                low = np.maximum(low, room / slope)
+        if side > 0.0:
+            low = np.maximum(low, crossings)
+        else:
+            high = np.minimum(high, crossings)
+        upper, lower = norm.sf(low) - norm.sf(high), norm.cdf(high) - norm.cdf(low)
+        found: Floats = np.maximum(np.where(low > 0.0, upper, lower), 0.0)
+        return found
+
+    def wrong_sides(self, drawn: Floats, crossings: Floats) -> tuple[int, int]:
+        """Return how many samples are on the wrong side of their line's crossing, and of how many.
+
+        Those that are nearer to other places are not asked.
+        """
+        n_wrong = n_checked = 0
+        for row, crossing in zip(drawn[:_CHECKED], crossings[:_CHECKED], strict=True):
+            distances = np.linalg.norm(self.others - row, axis=1)
+            past = float(self.along @ row) - crossing
+            if np.any(distances < np.linalg.norm(self.place - row)) or abs(past) < 1e-2:
+                continue
+            with suppress(NumericalError):
+                fails = self.values(to_parameters(self.laws, row)[0]) < 0.0
+                n_wrong, n_checked = n_wrong + (fails != (past > 0.0)), n_checked + 1
+        return n_wrong, n_checked
+
+    def _bases(self, drawn: Floats) -> Floats:
+        across: Floats = drawn - np.outer(drawn @ self.along, self.along)
+        return across
 
     def _crossing(self, base: Floats) -> float:
         """Return the place on a line where the margin is zero, by secants."""

@@ -209,7 +209,38 @@ def test_a_limit_out_of_reach_is_told():
 
     found = failing_chance([normal(0.0, 1.0)], margin, lambda x: margin(x)[0], 4, 1)
     assert found.chance == 0.0
+    assert 0.0 < found.most < 1e-14
     assert "no failing point" in found.note
+
+
+def _two_sided(mean, level, number):
+    """x / 2 + y² above a level on either side of y = 0, and its chance by integration."""
+    from scipy.integrate import quad
+    from scipy.stats import norm
+
+    def margin(x):
+        return level - 0.5 * x[0] - x[1] ** 2, np.array([-0.5, -2.0 * x[1]])
+
+    laws = [normal(0.0, 1.0), normal(mean, 1.0)]
+    expected = quad(lambda y: norm.pdf(y, mean) * norm.sf(2.0 * (level - y**2)), -9.0, 9.0)[0]
+    return failing_chance(laws, margin, lambda x: margin(x)[0], number, 1), expected
+
+
+@pytest.mark.parametrize("mean", [0.0, 0.3])
+def test_two_failing_regions_are_summed(mean):
+    """Without a slope by y at its mean the first search stalls between both, at x = 4."""
+    found, expected = _two_sided(mean, 2.0, 50)
+    assert found.chance == pytest.approx(expected, abs=3.0 * found.error)
+    assert found.error < 0.01 * expected
+    assert sorted(np.sign(point.parameters[1]) for point in found.points) == [-1.0, 1.0]
+    assert not found.note
+
+
+def test_lines_that_cross_a_limit_twice_are_told():
+    """Where the middle fails beside a narrow region that does not: half of it is not seen."""
+    found, expected = _two_sided(0.3, 0.05, 30)
+    assert abs(found.chance - expected) > 0.1
+    assert "cross it more than once" in found.note
 
 
 def test_triangular_and_uniform_parameters_fail_as_their_law_says():

@@ -204,10 +204,8 @@ def _by_nearest(cases: RandomCases, number: int, seed: int) -> UncertaintyReport
             return sign * (float(cases.values_at(point)[k]) - limit.value)
 
         chance = failing_chance(cases.laws, margin, alone, number, seed)
-        low, high = (
-            float(np.clip(chance.chance + side * _REACH * chance.error, 0.0, 1.0))
-            for side in (-1.0, 1.0)
-        )
+        reach = _REACH * chance.error + chance.most
+        low, high = (float(np.clip(chance.chance + side * reach, 0.0, 1.0)) for side in (-1.0, 1.0))
         name = cases.quantities[k].name
         words = _words(cases, limit)
         risks.append((name, words, chance.chance, low, high))
@@ -216,19 +214,29 @@ def _by_nearest(cases: RandomCases, number: int, seed: int) -> UncertaintyReport
 
 
 def _nearest(cases: RandomCases, words: str, chance: Reliability) -> Iterator[str]:
-    """Yield what is known of the nearest failing point."""
+    """Yield what is known of the nearest failing points."""
     if chance.note:
         yield f"warning: {words}: {chance.note}"
-    if np.isfinite(chance.index):
-        about = cases.about
+    about = cases.about
+    for number, point in enumerate(chance.points):
         parts = [
-            f"{name} = {shown(float(chance.point[k]), about[name].unit)} "
-            f"({chance.importance[k]:.1%})"
+            f"{name} = {shown(float(point.parameters[k]), about[name].unit)} "
+            f"({point.importance[k]:.1%})"
             for k, name in enumerate(cases.names)
         ]
         yield (
-            f"{words}: reliability index {chance.index:.4g}, by first order "
-            f"{chance.first_order:.3g}; most likely at {', '.join(parts)}"
+            f"{words}: reliability index {point.distance:.4g}, by first order "
+            f"{point.first_order:.3g}; {'also' if number else 'most'} likely at {', '.join(parts)}"
+        )
+    if len(chance.points) > 1:
+        yield (
+            f"warning: {words}: {len(chance.points)} regions were found, and their chances are "
+            "summed; there may be more: samples show it where the chance is not too small"
+        )
+    elif chance.points:
+        yield (
+            f"{words}: chance and interval are those of the region around this point; "
+            f"{chance.n_starts} searches from other sides found no further one"
         )
 
 
