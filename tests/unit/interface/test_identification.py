@@ -67,3 +67,15 @@ def test_a_pendulum_tells_its_length_but_not_its_mass():
     gap = MeasuredChannel("upper.angle", times, np.full(51, np.nan), 0.01)
     with pytest.raises(InputError, match="gaps"):
         identify(loaded, [gap], bounds, lambda *_: None)
+
+
+def test_start_values_that_were_given_stay_when_parameters_move():
+    """Else runs that confirm derivatives begin elsewhere than the one that they confirm."""
+    from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
+
+    loaded = read_scenario("quarter_car", ["duration=1 s"])
+    study = MotionStudy.of(loaded, ["body.height"], lambda *_: None)
+    begun = study.moved({"start.body.height": 0.02})
+    assert begun.moved({"body.stiffness": 3e4}).start.state == pytest.approx(begun.start.state)
+    further = begun.moved({"start.wheel.height": 0.01}).start.state
+    assert sorted(further)[-2:] == pytest.approx([0.01, 0.02])

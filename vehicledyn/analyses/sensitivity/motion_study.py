@@ -156,12 +156,15 @@ class MotionStudy:
     def moved(self, changes: Mapping[str, float]) -> MotionStudy:
         """Return the same with other values of parameters, in SI, and the start that follows.
 
-        Names that begin with ``start.`` are those of states, whose start then follows nothing.
+        Names that begin with ``start.`` are those of states, whose start then follows nothing;
+        those that were given before stay as they are.
         """
         e = self.prepared.equations
+        states = [s.name for s in e.states]
         names = [p.name for p in e.parameters]
         parameters = self.prepared.kernel.parameters
-        given = {
+        given = {states[k]: float(self.start.state[k]) for k in self.held}
+        given |= {
             name.removeprefix(START): v for name, v in changes.items() if name.startswith(START)
         }
         for name, value in changes.items():
@@ -172,7 +175,6 @@ class MotionStudy:
         scenario = self.loaded.scenario
         begun = self.written.applied(prepared)
         start = start_point(begun, scenario.speed or 0.0, scenario.start)
-        states = [s.name for s in e.states]
         held = tuple(states.index(name) for name in given)
         if held:
             state = start.state.copy()
