@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.analyse.polynomial_chaos import fit_chaos
 from vehicledyn.analyse.uncertainty import Distribution, Shares, Spread
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.analyses.sensitivity.known_analyses import analysis_of
@@ -31,8 +32,21 @@ Floats = NDArray[np.float64]
 _ROUNDING = 1e-20
 """Part of the variance below which a parameter brings nothing but rounding."""
 
+_NOTHING = 1e-6
+"""Part of the variance, with its error, below which a fitted parameter brings nothing."""
+
 _AT_ONCE = 1024
 """Runs that wait for a core at most."""
+
+_FITTED = 256
+"""Samples that tell which parameters do nothing."""
+
+_AT_MEANS = {
+    "first_order": "first order",
+    "reliability": "first order",
+    "second_order": "second order",
+}
+"""Methods that know shares at the means alone, and how far."""
 
 _STEP = 0.1
 """Step of differences of first derivatives, in deviations of the parameter."""
@@ -258,15 +272,34 @@ class RandomCases:
             f"figures count as those of the others do; the first {first}"
         ]
 
-    def _idle(self, shares: Floats | None) -> list[str]:
-        """Return a warning of parameters that bring no part of any figure's variance."""
-        if shares is None:
+    def _idle(self, method: str, totals: Floats | None, errors: Floats | None) -> list[str]:
+        """Return warnings of parameters that bring no part of any figure's variance.
+
+        Derivatives tell it at the means alone, polynomials up to what they miss.
+        """
+        if totals is None:
             return []
+        least, words = _ROUNDING, "changes no figure"
+        if method in _AT_MEANS:
+            words = f"has no effect at the means of the parameters, to {_AT_MEANS[method]}"
+        elif method != "sobol":
+            least, words = _NOTHING, f"brings less than {_NOTHING:g} of the variance of any figure"
+        most = np.abs(totals) + (0.0 if errors is None or least == _ROUNDING else 2.0 * errors)
         return [
-            f"warning: '{name}' changes no figure"
+            f"warning: '{name}' {words}"
             for k, name in enumerate(self.names)
-            if np.all(np.abs(shares[:, k]) < _ROUNDING)
+            if np.all(most[:, k] < least)
         ]
+
+    def _fitted(self) -> Shares:
+        """Return the shares of some first samples that have figures, by polynomials."""
+        known = [
+            (point, row)
+            for point, row in zip(self.points[:_FITTED], self.known[:_FITTED], strict=True)
+            if np.isfinite(row).all()
+        ]
+        points, rows = (np.array(part) for part in zip(*known, strict=True))
+        return fit_chaos(self.laws, points, rows).shares()
 
     def _failed_runs(self, method: str) -> list[str]:
         """Return a warning of samples that have no figures, the first of which it describes."""
@@ -300,6 +333,10 @@ class RandomCases:
         if isinstance(shares, Shares):
             errors = shares.first_error, shares.total_error
             totals, shares = shares.total, shares.first
+        idle = self._idle(method, shares if totals is None else totals, errors[1])
+        if shares is None:
+            fitted = self._fitted()
+            idle = self._idle(method, fitted.total, fitted.total_error)
         return UncertaintyReport(
             self.of_scenario.title,
             method,
@@ -312,7 +349,7 @@ class RandomCases:
             list(risks),
             (
                 *self.notes,
-                *self._idle(shares if totals is None else totals),
+                *idle,
                 *self._driving_failures(),
                 *self._failed_runs(method),
             ),
