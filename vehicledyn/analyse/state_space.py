@@ -132,7 +132,8 @@ def reduced(system: StateSpace, order: int) -> StateSpace:
     n_kept = len(a_kept)
     if not n_kept <= order <= n:
         raise InputError(
-            f"order: {order}: between {n_kept}, the states of the part that does not decay, and {n}"
+            f"order: {order} states are too few or too many; give {n_kept} to {n}: modes that do "
+            f"not decay have {n_kept} states, which are all kept"
         )
     left, right, values = _balancing(stable.a, stable.b, stable.c)
     count = min(order - n_kept, int(np.sum(values > _NOTHING * np.max(values, initial=0.0))))

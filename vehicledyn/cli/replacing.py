@@ -28,6 +28,8 @@ IDENTIFICATION, UNCERTAINTY = "vehicledyn-identification", "vehicledyn-uncertain
 EQUILIBRIUM, SENSITIVITY = "vehicledyn-equilibrium", "vehicledyn-sensitivity"
 
 _STUDIES = (STUDY, HUNT)
+_ENDED = ("ok", "failed")
+"""States of results with which nothing is left to go on."""
 
 
 def check_replacing(
@@ -63,7 +65,9 @@ def check_replacing(
     """
     if resume and overwrite:
         raise InputError("--resume continues a result, --overwrite replaces it; choose one")
-    if resume or overwrite or not output.is_file() or output.stat().st_size == 0:
+    if overwrite or not output.is_file() or output.stat().st_size == 0:
+        return
+    if resume and (kind in _STUDIES or _facts(output).get("status") not in _ENDED):
         return
     from vehicledyn.results.hdf5.output import check_output
 

@@ -66,5 +66,5 @@ def test_a_reduced_system_keeps_what_grows_and_its_bound():
     alone = StateSpace(np.array([[-2.0]]), np.array([[3.0]]), np.array([[5.0]]), np.zeros((1, 1)),
                        np.zeros(0))  # fmt: skip
     assert reduced(alone, 1).hankel == pytest.approx([15.0 / 4.0], rel=1e-12)
-    with pytest.raises(InputError, match="between 1"):
+    with pytest.raises(InputError, match="give 1 to"):
         reduced(whole, 0)
