@@ -136,6 +136,20 @@ def test_the_reliability_of_linear_figures_is_exact(functions, limit, side):
     assert f"{-side * 2.0 / np.sqrt(PARTS.sum()):.4g}" in found.as_text()
 
 
+@pytest.mark.parametrize(("limit", "side"), [("at_most", ""), ("at_least", "all but ")])
+def test_rare_chances_have_digits(functions, limit, side):
+    """Φ(-5.6) is 1.072e-8; of 16 samples none, which bounds the chance by Wilson's 19.4 %."""
+    limits = {"final(curved)": {limit: 8.6}}
+    given = {"parameters": {"x": {"kind": "normal", "mean": 0.0, "deviation": 1.0}}, **TINY}
+    given |= {"of": "final(curved)", "limits": limits, "number": 16}
+    found = vd.uncertainty(functions, method="reliability", **given).as_text()
+    number = f"{side}1.072e-06%"
+    assert f"in {number} (95 %: {number} to {number})" in found
+    if not side:
+        sampled = vd.uncertainty(functions, method="sequence", **given).as_text()
+        assert "in 0% (95 %: 0% to 19.36%)" in sampled
+
+
 def test_curved_limits_have_the_chance_within_its_error(functions):
     """x > 3 + y² / 10 of standard normal x, y: against integration; first order is 30 % high."""
     from scipy.integrate import quad

@@ -71,10 +71,7 @@ class UncertaintyReport:
                 lines.append(f"  {self.parameters[k].name}: {words}")
         if np.any(self.found.mean_error > 0.0) or self.shares_error is not None:
             lines.append("+- is one standard error")
-        lines += [
-            f"{name} {words} in {share:.2%} (95 %: {low:.2%} to {high:.2%})"
-            for name, words, share, low, high in self.risks
-        ]
+        lines += [risk_words(risk) for risk in self.risks]
         return "\n".join([*lines, *self.notes])
 
     def as_dict(self) -> dict[str, Any]:
@@ -104,6 +101,23 @@ class UncertaintyReport:
             ],
             "notes": list(self.notes),
         }
+
+
+def risk_words(risk: Risk) -> str:
+    """Return how likely a limit is passed, with the interval."""
+    name, words, *chances = risk
+    share, low, high = map(_chance, chances)
+    return f"{name} {words} in {share} (95 %: {low} to {high})"
+
+
+def _chance(value: float) -> str:
+    """Return a chance with digits that count, also of what is rare or nearly sure."""
+    if value in {0.0, 1.0}:
+        return f"{value:.0%}"
+    if min(value, 1.0 - value) >= 1e-3:
+        return f"{value:.2%}"
+    rare = f"{100.0 * min(value, 1.0 - value):.4g}%"
+    return rare if value < 0.5 else f"all but {rare}"
 
 
 def _row(values: Floats | None, row: int) -> list[float] | None:

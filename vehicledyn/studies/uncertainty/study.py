@@ -17,7 +17,7 @@ from vehicledyn.results.tables.uncertainty_table import UncertaintyTable
 from vehicledyn.studies.mistakes import silent
 from vehicledyn.studies.study_form import StudyForm
 from vehicledyn.studies.uncertainty.checks import MOST_RUNS, check_method, note_mistakes
-from vehicledyn.studies.uncertainty.report import UncertaintyReport
+from vehicledyn.studies.uncertainty.report import UncertaintyReport, risk_words
 from vehicledyn.studies.uncertainty.run import METHODS, find_uncertainty
 
 _REQUIRED = ("scenario", "of", "parameters")
@@ -160,10 +160,7 @@ def table_of(report: UncertaintyReport) -> UncertaintyTable:
         given(report.totals, (m, n)),
         given(report.points, (0, n)),
         given(report.samples, (0, m)),
-        tuple(
-            f"{name} {words} in {share:.3%} (95 %: {low:.3%} to {high:.3%})"
-            for name, words, share, low, high in report.risks
-        ),
+        tuple(map(risk_words, report.risks)),
         report.notes,
         given(report.shares_error, (m, n)),
         given(report.totals_error, (m, n)),
