@@ -1,12 +1,16 @@
 """Pages of optima, identified and scattering parameters, and of derivatives, say all there is."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+import vehicledyn as vd
 from vehicledyn.results.report.table_content import table_content
 from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.results.tables.identification_table import (
     IdentificationTable,
+    read_identification,
     write_identification,
 )
 from vehicledyn.results.tables.optimum_table import (
@@ -82,3 +86,32 @@ def test_a_page_says_what_was_found_and_noted_and_never_nan(tmp_path, write, tol
     for words in ("a note", *told):
         assert words in text, words
     assert "nan" not in text
+
+
+@pytest.mark.parametrize(
+    ("write", "names", "words"),
+    [
+        (identification, ["mass", "length"], "Mass (95 %: 1.999999 kg to 2.000001 kg)"),
+        (uncertainty, ["max(roll)"], "Mean of max(roll) (deviation 5.73 deg)"),
+        (optimum, ["mass", "length", "max(roll)"], "Mass, at the optimum"),
+    ],
+)
+def test_results_in_memory_have_a_summary_and_a_table(tmp_path, write, names, words):
+    """Of what was found, one row each."""
+    write(tmp_path / "a.h5")
+    data = vd.open_result(tmp_path / "a.h5")
+    assert list(data.summary) == names
+    assert next(iter(data.summary.values())).description == words
+    found = data.to_dataframe()
+    assert list(found.index) == [name for name in names if write is not optimum or "(" not in name]
+
+
+def test_a_parameter_that_the_data_cannot_tell_has_a_summary(tmp_path):
+    """Its interval has no ends."""
+    identification(tmp_path / "a.h5")
+    table = replace(
+        read_identification(tmp_path / "a.h5"), low=np.full(2, -np.inf), high=np.full(2, np.inf)
+    )
+    write_identification(tmp_path / "b.h5", table)
+    (mass, _) = vd.open_result(tmp_path / "b.h5").summary.values()
+    assert mass.description == "Mass (95 %: -inf kg to inf kg)"

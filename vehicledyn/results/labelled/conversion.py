@@ -23,6 +23,9 @@ MAIN_DIMENSIONS: dict[str, tuple[str, ...]] = {
     "hunt": ("cycle",),
     "contacts": ("shift",),
     "equilibrium": ("coordinate",),
+    "identification": ("parameter",),
+    "uncertainty": ("figure",),
+    "optimum": ("variable",),
 }
 """Dimensions of the arrays that make the usual table, by the kind of the result."""
 

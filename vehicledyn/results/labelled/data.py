@@ -77,7 +77,11 @@ class LabelledData(Mapping[str, LabelledArray]):
 
     @property
     def summary(self) -> Mapping[str, SummaryEntry]:
-        """Key figures by name, each with value, unit and description; of a study there are none."""
+        """Key figures by name, each with value, unit and description; of a sweep there are none.
+
+        Those of an identification are its parameters, of an uncertainty the means of its figures,
+        of an optimum its variables and figures, and what is said of each is in its description.
+        """
         return self._source.summary()
 
     @property
@@ -182,7 +186,8 @@ class LabelledData(Mapping[str, LabelledArray]):
         """Return a pandas table: one column an array, the dimensions as index.
 
         Without patterns the arrays over the main dimensions are taken: the time of a run, the
-        cases of a study, cases and modes of eigenmodes.
+        cases of a study, cases and modes of eigenmodes, the parameters of an identification, the
+        figures of an uncertainty, the variables of an optimum.
         """
         from vehicledyn.results.labelled.conversion import data_frame
 

@@ -15,10 +15,11 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.results.hdf5.seal import DamagedError
 from vehicledyn.results.labelled.array import LabelledArray
 from vehicledyn.results.labelled.source import Head, Source
+from vehicledyn.results.labelled.table_figures import key_figures
 from vehicledyn.results.store.dimensions import is_bare
 from vehicledyn.results.store.layout import EventRecord, SummaryEntry
 from vehicledyn.results.store.linear_file import old_file, read_texts
-from vehicledyn.results.tables import equilibrium_table, hunt_table, mode_table
+from vehicledyn.results.tables import equilibrium_table, mode_table
 from vehicledyn.results.tables.kinds import TABLES
 
 _HEAD = ("title", "model", "status", "message", "format", "format_version")
@@ -47,7 +48,7 @@ class TableSource:
         return [self.arrays[name] for name in names]
 
     def summary(self) -> Mapping[str, SummaryEntry]:
-        """Return the critical values of a hunting study."""
+        """Return what a study found, such as critical values or parameters."""
         return self.figures
 
     def events(self) -> tuple[EventRecord, ...]:
@@ -86,18 +87,9 @@ def table_source(path: Path, kind: str) -> Source:
         arrays = _stacked(found, path)
     elif kind == equilibrium_table.FORMAT:
         arrays = found | _by_name(path)
-    figures = _critical_values(path) if kind == hunt_table.FORMAT else {}
+    figures = key_figures(path, kind)
     kept = {name: array for name, array in arrays.items() if name != "notes"}
     return TableSource(head, kept, notes, figures)
-
-
-def _critical_values(path: Path) -> dict[str, SummaryEntry]:
-    table = hunt_table.read_hunt(path)
-    meanings = hunt_table.FIGURE_MEANINGS
-    return {
-        name: SummaryEntry(name, value, table.figure_unit(name), meanings.get(name, name))
-        for name, value in table.figures.items()
-    }
 
 
 def _plain(value: Any) -> Any:
