@@ -7,6 +7,7 @@ import pytest
 
 from vehicledyn.analyse.gradients.motion_slopes import EventSlope, MotionSlopes
 from vehicledyn.analyses.sensitivity import confirmation
+from vehicledyn.analyses.sensitivity.moving_jumps import moving_jump
 
 
 @pytest.mark.parametrize(("instant", "named"), [(0.4, True), (0.9, False)])
@@ -49,6 +50,20 @@ def test_a_jump_that_moves_between_samples_is_told(begin, told):
     notes = confirmation.unconfirmed_sums(study, chosen, here, [("max", 0), ("mean", 0)])
     assert bool(notes) is told
     assert not told or "'mean(rate)'" in notes[0]
+
+
+def test_jumps_that_move_with_an_event_are_reported_for_sums_and_kinks_are_not():
+    """A rate that jumps by 2 at 0.405 s, which moves by 1 s: its mean by -2, which samples miss."""
+    times = np.linspace(0.0, 1.0, 101)
+    behind = times >= 0.405
+    values = np.stack([2.0 * behind, 2.0 * behind * (times - 0.405)], axis=1)
+    slopes = np.stack([0.1 + 0.0 * times, -2.0 * behind], axis=1)[:, :, None]
+    events = [EventSlope("hit", 0.405, np.ones(1))]
+    motion = MotionSlopes(times, values, slopes, values[0], slopes[0], events, "")
+    given = np.array([0.1]), np.ones(1)
+    event, part = moving_jump(motion, "mean", 0, *given)
+    assert (event.name, part) == ("hit", pytest.approx(20.0))
+    assert moving_jump(motion, "mean", 1, np.array([-1.2]), np.ones(1)) is None
 
 
 def test_curves_and_sums_are_confirmed_by_the_same_four_runs():

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from vehicledyn.analyse.gradients.key_figures import figure_slope
 from vehicledyn.analyse.gradients.motion_slopes import MotionSlopes
 from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
+from vehicledyn.analyses.sensitivity.moving_jumps import moving_jump
 from vehicledyn.analyses.sensitivity.names import START, Directions, RequestedNames
 from vehicledyn.base.errors import NumericalError
 
@@ -170,11 +171,20 @@ def unconfirmed_sums(
     sums = [(kind, place) for kind, place in figures if kind in _SUMS]
     names = [study.prepared.equations.channels[k].name for k in study.channels]
     slopes = [_slope(motion, kind, place) for kind, place in sums]
+    notes, moves = [], _PART * np.abs(chosen.values)
+    for (kind, place), slope in zip(sums, slopes, strict=True):
+        if found := moving_jump(motion, kind, place, slope, moves):
+            notes.append(
+                f"warning: '{names[place]}' jumps at event '{found[0].name}' at "
+                f"{found[0].time:.6g} s, whose instant moves; the derivatives of "
+                f"'{kind}({names[place]})' are those of its samples, which leave that out, "
+                f"by {found[1]:.0%} of the largest; take a figure of a channel that does not jump"
+            )
     try:
         missed = _missed(study, chosen, sums, np.array(slopes), {} if runs is None else runs)
     except NumericalError:  # reported with the curves
-        return []
-    return [
+        return notes
+    return notes + [
         f"warning: runs with parameters changed by 0.1 % do not confirm the derivatives of "
         f"'{sums[row][0]}({names[sums[row][1]]})', by {part:.0%} of the largest: a jump of the "
         "channel moves between its samples, or it is very sensitive; they are those of these "
