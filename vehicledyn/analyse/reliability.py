@@ -31,6 +31,9 @@ _MOST_RUNS, _MOST_STEPS = 100, 12
 _FURTHER_RUNS = 40
 """Runs with gradients of each search for a further region at most."""
 
+_CORNERS = 8
+"""Searches for further regions that begin where all parameters are away from the middle."""
+
 _SIMILAR, _APART = 0.3, 0.3
 """Part of its distance, and deviations, by which a point differs from one that is known."""
 
@@ -41,7 +44,10 @@ _PART = 1e-3
 """Part of the likelihood of the nearest point below which others do not count."""
 
 _CHECKED = 32
-"""Lines of a region at most that are checked by a run at a random point."""
+"""Lines of a region at most that are checked by runs at random points."""
+
+_CLOSE = 1e-2
+"""Deviations from a crossing within which no point is checked."""
 
 _FEWEST_LINES = 2
 """Lines with a crossing that an error needs."""
@@ -123,15 +129,14 @@ def failing_chance(
     seed
         Equal seeds give equal lines.
     """
-    from scipy.stats import norm
+    from scipy.stats import chi2, norm
 
     search = _Search(laws, margin)
     points, n_starts = search.nearest()
     side = search.side
     if not points:
         note = f"no failing point within {_FARTHEST:g} deviations of the middle was found"
-        beyond = _beyond(len(laws))
-        chance = 0.0 if side > 0.0 else 1.0
+        chance, beyond = 0.0 if side > 0.0 else 1.0, float(chi2.sf(_FARTHEST**2, len(laws)))
         return Reliability((), chance, 0.0, n_starts, note, beyond)
     chances, squares, n_lost, n_failed, n_wrong, n_checked = 0.0, 0.0, 0, 0, 0, 0
     for k, (u, row) in enumerate(points):
@@ -149,7 +154,7 @@ def failing_chance(
         chances += float(np.mean(found))
         squares += float(np.var(found, ddof=1) / len(found))
         n_lost, n_failed = n_lost + lines.n_lost, n_failed + number - len(found)
-        wrong, checked = lines.wrong_sides(drawn[known], crossings[known])
+        wrong, checked = lines.wrong_sides(drawn[known], crossings[known], side)
         n_wrong, n_checked = n_wrong + wrong, n_checked + checked
     notes, n_lines = [], number * len(points)
     if n_lost:
@@ -177,13 +182,6 @@ def failing_chance(
     )
 
 
-def _beyond(n: int) -> float:
-    """Return how likely n standard normal variables are beyond what is searched."""
-    from scipy.stats import chi2
-
-    return float(chi2.sf(_FARTHEST**2, n))
-
-
 class _Search:
     """Searches for the points nearest to the middle on the other side of a limit."""
 
@@ -204,33 +202,49 @@ class _Search:
         """Return the points found, nearest first, with gradients of the margin as it is given.
 
         The first search begins in the middle, where a symmetric figure may have no slope. Others
-        begin mirrored to what it finds and on both sides of each parameter, unless the margin's
-        tangent there leads to the points that are known.
+        begin mirrored to what it finds, on both sides of each parameter and at some corners.
         """
         n = len(self.laws)
         found = self._from(np.zeros(n), _MOST_RUNS, [])
         points = [] if found is None else [found]
         reach = float(np.clip(np.linalg.norm(found[0]), 1.0, 3.0)) if found is not None else 3.0
+        drawn = np.random.default_rng(1).standard_normal((_CORNERS if n > 2 else 0, n))
+        corners = np.sign(drawn) if n > 2 else np.array([[1, 1], [1, -1], [-1, 1], [-1, -1]])[:, :n]
         starts = [*(reach * np.eye(n)), *(-reach * np.eye(n))]
+        starts += list(reach * corners / np.sqrt(n)) if n > 1 else []
         if found is not None:
             starts.insert(0, -found[0])
         for start in starts:
             with suppress(NumericalError):
-                value, row = self.at(start)
-                size = float(row @ row)
-                if size == 0.0:
+                begin = self._begin(start, points)
+                if begin is None:
                     continue
-                foot = row * (float(row @ start) - value) / size
-                length = float(np.linalg.norm(foot))
-                if length > _FARTHEST or _is_known(foot, points, _SIMILAR * max(length, 1.0)):
-                    continue
-                further = self._from(foot, _FURTHER_RUNS, points)
+                further = self._from(begin, _FURTHER_RUNS, points)
                 if further is not None and not _is_known(further[0], points, _APART):
                     points.append(further)
         points.sort(key=lambda point: float(np.linalg.norm(point[0])))
         likely = [_likely(u) for u, _ in points]
         kept = [p for p, chance in zip(points, likely, strict=True) if chance > _PART * likely[0]]
         return [(u, self.side * row) for u, row in kept], len(starts)
+
+    def _begin(self, start: Floats, known: Sequence[tuple[Floats, Floats]]) -> Floats | None:
+        """Return where a search begins, None if it leads to known points.
+
+        It does where half-way from a failing start to one of these fails, too, or where the
+        tangent of the margin leads there.
+        """
+        value, row = self.at(start)
+        if value < 0.0:
+            same = any(self.at(0.5 * (start + place))[0] < 0.0 for place, _ in known)
+            return None if same else start
+        size = float(row @ row)
+        if size == 0.0:
+            return None
+        foot: Floats = row * (float(row @ start) - value) / size
+        length = float(np.linalg.norm(foot))
+        if length > _FARTHEST or _is_known(foot, known, _SIMILAR * max(length, 1.0)):
+            return None
+        return foot
 
     def _from(
         self, start: Floats, most_runs: int, known: Sequence[tuple[Floats, Floats]]
@@ -298,11 +312,48 @@ class _Lines:
     def tails(self, drawn: Floats, crossings: Floats, side: float) -> Floats:
         """Return how likely lines are beyond their crossings, shape (k,), within what is nearest.
 
-        What is nearer to one of the other places (m, n) is left to that one's lines: regions are
-        counted once each, however they meet. ``side`` is -1 where what does not fail is beyond.
+        ``side`` is -1 where what does not fail is beyond.
         """
         from scipy.stats import norm
 
+        low, high = self._beyond(drawn, crossings, side)
+        upper, lower = norm.sf(low) - norm.sf(high), norm.cdf(high) - norm.cdf(low)
+        found: Floats = np.maximum(np.where(low > 0.0, upper, lower), 0.0)
+        return found
+
+    def wrong_sides(self, drawn: Floats, crossings: Floats, side: float) -> tuple[int, int]:
+        """Return how many points on lines are on the wrong side of the limit, and of how many.
+
+        On each of some lines one is the sample that it goes through, unless it is nearer to
+        other places, and one is drawn from what is beyond the crossing.
+        """
+        from scipy.stats import norm
+
+        drawn, crossings = drawn[:_CHECKED], crossings[:_CHECKED]
+        low, high = self._beyond(drawn, crossings, side)
+        share = norm.cdf(drawn @ self.along)
+        upper = norm.isf(norm.sf(high) + share * (norm.sf(low) - norm.sf(high)))
+        lower = norm.ppf(norm.cdf(low) + share * (norm.cdf(high) - norm.cdf(low)))
+        inside = self._bases(drawn) + np.outer(np.where(low > 0.0, upper, lower), self.along)
+        n_wrong = n_checked = 0
+        for row, crossing in zip(
+            np.r_[drawn, inside[low < high]], np.r_[crossings, crossings[low < high]], strict=True
+        ):
+            distances = np.linalg.norm(self.others - row, axis=1)
+            past = float(self.along @ row) - crossing
+            if np.any(distances < np.linalg.norm(self.place - row)) or abs(past) < _CLOSE:
+                continue
+            with suppress(NumericalError):
+                fails = self.values(to_parameters(self.laws, row)[0]) < 0.0
+                n_wrong, n_checked = n_wrong + (fails != (past > 0.0)), n_checked + 1
+        return n_wrong, n_checked
+
+    def _beyond(self, drawn: Floats, crossings: Floats, side: float) -> tuple[Floats, Floats]:
+        """Return from where to where lines are beyond their crossing and nearest to their place.
+
+        What is nearer to one of the other places (m, n) is left to that one's lines: regions are
+        counted once each, however they meet.
+        """
         bases = self._bases(drawn)
         low, high = np.full(len(bases), -np.inf), np.full(len(bases), np.inf)
         for other in self.others:
@@ -317,28 +368,8 @@ class _Lines:
             else:
                 low = np.maximum(low, room / slope)
         if side > 0.0:
-            low = np.maximum(low, crossings)
-        else:
-            high = np.minimum(high, crossings)
-        upper, lower = norm.sf(low) - norm.sf(high), norm.cdf(high) - norm.cdf(low)
-        found: Floats = np.maximum(np.where(low > 0.0, upper, lower), 0.0)
-        return found
-
-    def wrong_sides(self, drawn: Floats, crossings: Floats) -> tuple[int, int]:
-        """Return how many samples are on the wrong side of their line's crossing, and of how many.
-
-        Those that are nearer to other places are not asked.
-        """
-        n_wrong = n_checked = 0
-        for row, crossing in zip(drawn[:_CHECKED], crossings[:_CHECKED], strict=True):
-            distances = np.linalg.norm(self.others - row, axis=1)
-            past = float(self.along @ row) - crossing
-            if np.any(distances < np.linalg.norm(self.place - row)) or abs(past) < 1e-2:
-                continue
-            with suppress(NumericalError):
-                fails = self.values(to_parameters(self.laws, row)[0]) < 0.0
-                n_wrong, n_checked = n_wrong + (fails != (past > 0.0)), n_checked + 1
-        return n_wrong, n_checked
+            return np.maximum(low, crossings), high
+        return low, np.minimum(high, crossings)
 
     def _bases(self, drawn: Floats) -> Floats:
         across: Floats = drawn - np.outer(drawn @ self.along, self.along)

@@ -236,6 +236,32 @@ def test_two_failing_regions_are_summed(mean):
     assert not found.note
 
 
+def test_regions_in_four_directions_are_summed():
+    """Beyond |x + y| = a or |x - y| = a, straight across each other: 1 - (1 - 2 Φ(-a / √2))²."""
+    from scipy.stats import norm
+
+    signs = np.array([[1.0, 1.0], [-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0]])
+
+    def margin(x):
+        rooms = 3.0 - signs @ x
+        return rooms.min(), -signs[rooms.argmin()]
+
+    found = failing_chance([normal(0.0, 1.0)] * 2, margin, lambda x: margin(x)[0], 40, 1)
+    expected = 1.0 - (1.0 - 2.0 * norm.sf(3.0 / np.sqrt(2.0))) ** 2
+    assert len(found.points) == 4
+    assert found.chance == pytest.approx(expected, abs=3.0 * found.error + 1e-9)
+    assert found.error < 0.05 * expected
+
+
+def test_regions_at_both_ends_of_a_uniform_parameter_are_summed():
+    """|x| > 0.9 of x between -1 and 1, where the tangent at an end leads far across."""
+    found = failing_chance(
+        [uniform(-1.0, 1.0)], lambda x: (0.9 - abs(x[0]), -np.sign(x)), lambda x: 0.9 - abs(x[0]),
+        2, 1,
+    )  # fmt: skip
+    assert found.chance == pytest.approx(0.1, rel=1e-4)
+
+
 def test_lines_that_cross_a_limit_twice_are_told():
     """Where the middle fails beside a narrow region that does not: half of it is not seen."""
     found, expected = _two_sided(0.3, 0.05, 30)
