@@ -116,6 +116,6 @@ def test_what_goes_wrong_in_the_first_piece_is_found(known, needs_compiler):
 
 def test_a_run_that_diverges_is_not_continued_in_another_way(known, needs_compiler, monkeypatch):
     """Divergence is reported as such, whatever piece it comes in."""
-    monkeypatch.setattr("vehicledyn.integrate.accuracy.monitored_run._HUGE", 1.5)
+    monkeypatch.setattr("vehicledyn.integrate.accuracy.divergence._HUGE", 1.5)
     with pytest.raises(NumericalError, match=r"the integration diverges with a step of 0\.5 ms"):
         run(known, RungeKutta4(step=5e-4))
