@@ -663,6 +663,13 @@ def test_an_experiment_without_signals():
     refused(Case("identify", files, command, ("out.h5",)), "needs signals")
 
 
+def test_a_scatter_of_nothing():
+    lines = mechanism_cases.STUDIES["uncertainty"].splitlines(keepends=True)
+    text = "".join(line for line in lines if not line.startswith("of:"))
+    files = yaml_cases.around({"study.yaml": text.encode()})
+    refused(Case("scatter", files, ["uncertainty", "study.yaml"]), "of: missing")
+
+
 def test_more_starts_than_memory_holds():
     text = mechanism_cases.STUDIES["optimise"] + "starts: 1000000000\n"
     files = yaml_cases.around({"study.yaml": text.encode()})

@@ -73,7 +73,7 @@ def note_mistakes(
 def places_of(mistakes: Mistakes, of: Sequence[str]) -> dict[str, Place]:
     """Return where a study names its figures."""
     document = mistakes.document
-    is_list = document is not None and isinstance(document.data["of"], list)
+    is_list = document is not None and isinstance(document.data.get("of"), list)
     return {name: ("of", number) if is_list else ("of",) for number, name in enumerate(of)}
 
 

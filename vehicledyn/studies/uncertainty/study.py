@@ -130,7 +130,7 @@ def load_uncertainty(
 
 
 def _figures(form: StudyForm) -> list[str]:
-    of = form.data.get("of")
+    of = form.data.get("of", [])
     names = [of] if isinstance(of, str) else of
     if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
         form.wrong(("of",), "expected a figure, or a list of figures")
