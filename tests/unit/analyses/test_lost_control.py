@@ -14,7 +14,7 @@ from vehicledyn.cli import main
 from vehicledyn.results.store.study_reader import open_study
 from vehicledyn.road.manoeuvres.lane_change_test import LOST
 from vehicledyn.road.standards.entries import entry
-from vehicledyn.studies import scenario_figures
+from vehicledyn.studies.figures import run_figures
 from vehicledyn.symbolic.equations import Channel
 
 TOO_FAST = """
@@ -121,7 +121,7 @@ def test_a_followed_run_tells_how_it_lost_its_vehicle():
 def test_studies_take_no_run_that_lost_its_vehicle_for_an_ordinary_one(monkeypatch, tmp_path):
     """Samples of an uncertainty are told; a search does not take such a run, or begin with it."""
     laws = {"length": {"kind": "normal", "mean": "1 m", "deviation": "5 mm"}}
-    for module in (motion, scenario_figures):
+    for module in (motion, run_figures):
         monkeypatch.setattr(module, "driving_failure", lambda *_: "driver_lost: at 1 s")
     asked = ["final(upper.angle)"]
     found = vehicledyn.uncertainty(

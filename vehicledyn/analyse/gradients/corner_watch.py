@@ -1,6 +1,6 @@
 """Which steps of a motion are taken apart since a law changes its branch in them.
 
-Laws that change their branch all the time, such as those of contacts that rattle or of wheels that
+Laws that change their branch all the time, such as those of contacts that chatter or of wheels that
 roll over the points of a profile, are passed over: their corners are all over the motion.
 """
 
@@ -35,7 +35,7 @@ def has_corners(code: TangentCode, grid: StepRow) -> bool:
 
 
 class CornerWatch:
-    """Tells the steps with corners of laws while a motion is followed.
+    """Finds the steps with corners of laws while a motion is followed.
 
     ``branches`` are the functions; ``weak`` says how often each changed its branch without being
     felt, ``resting`` which of them the motion begins at the corner of; ``sizes`` are the largest
@@ -54,7 +54,7 @@ class CornerWatch:
     def __init__(self, code: TangentCode, parameters: Vector, plain: Bundle) -> None:
         self.branches = BranchWatch(code, parameters)
         count = self.branches.count
-        self.weak, self._rattles = np.zeros((2, count))
+        self.weak, self._chatters = np.zeros((2, count))
         self.resting = np.zeros(count, dtype=bool)
         self.sizes = np.ones(len(code.equations.states))
         self._window = np.array([-1.0, -1.0, 0.0])
@@ -64,7 +64,7 @@ class CornerWatch:
     @property
     def _known(self) -> tuple[NDArray[Any], ...]:
         b = self.branches
-        own = (self.weak, self._rattles, self.resting, self.sizes, self._window)
+        own = (self.weak, self._chatters, self.resting, self.sizes, self._window)
         return (*own, b.marks, b.changes, b.sizes, b.before)
 
     @property
@@ -111,7 +111,7 @@ class CornerWatch:
                 self.look(march, min(due, _LOOK))
             else:
                 most = max(int(n_changing), int(changes.max()))
-                self._rattles[:] = self._often(changes, march.step - int(begin), most)
+                self._chatters[:] = self._often(changes, march.step - int(begin), most)
             changes[:] = 0
             self._window[:] = march.step, march.step + _WINDOW, 0.0
             self._skip()
@@ -129,7 +129,7 @@ class CornerWatch:
         self._window[2] += 1.0
         n_steps = max(step - int(self._window[0]), _LEAST)
         often = self._often(self.branches.changes, n_steps, int(self._window[2]))
-        self._rattles[often] = 1.0
+        self._chatters[often] = 1.0
         self._skip()
 
     def values(self, point: ConsistentPoint) -> Vector:
@@ -140,7 +140,7 @@ class CornerWatch:
         return np.asarray(found[0])
 
     def look(self, march: March, count: int) -> None:
-        """Learn from the next steps, taken as a whole, which functions rattle in them.
+        """Learn from the next steps, taken as a whole, which functions chatter in them.
 
         Where the motion begins at a corner up to rounding, it does not pass it.
         """
@@ -162,7 +162,9 @@ class CornerWatch:
         behind = np.minimum.accumulate(known[::-1], axis=0)[::-1]
         marks = np.take_along_axis(marks, behind, axis=0)
         changed = (np.diff(marks, axis=0) != 0.0) & moved
-        self._rattles[:] = self._often(changed.sum(axis=0), len(changed), changed.any(axis=1).sum())
+        self._chatters[:] = self._often(
+            changed.sum(axis=0), len(changed), changed.any(axis=1).sum()
+        )
 
     def _often(self, changes: NDArray[Any], n_steps: int, n_changing: int) -> NDArray[np.bool_]:
         """Return which functions change too often in so many steps to be followed.
@@ -175,9 +177,9 @@ class CornerWatch:
         return np.asarray(own | together)
 
     def _skip(self) -> None:
-        rattles = self._rattles > 0.0
-        self.branches.skipped[:] = rattles | ~self.felt | self._leaves_whole
-        self._left_whole |= bool(rattles.any())
+        chatters = self._chatters > 0.0
+        self.branches.skipped[:] = chatters | ~self.felt | self._leaves_whole
+        self._left_whole |= bool(chatters.any())
 
     def _ahead(self, march: March, count: int) -> tuple[Vector, Matrix, Matrix]:
         """Return times, states and unknowns of the next steps, as they are taken as a whole."""

@@ -44,10 +44,9 @@ if TYPE_CHECKING:
 class LoadedScenario(Target):
     """A scenario that may run.
 
-    ``text`` is the file as it was read, ``overrides`` what changed it. ``written`` is the model
-    with its parameters. ``resolved`` is everything that will be used, as plain mappings, lists and
-    SI numbers, and ``units`` the unit of each quantity in it by dotted name. ``built`` is the model
-    as it was built in Python, before any change.
+    ``text`` is the file as read, ``overrides`` what changed it, ``written`` the model with its
+    parameters. ``resolved`` is everything used, as plain mappings, lists and SI numbers, ``units``
+    the unit of each quantity in it by dotted name; ``built`` the model built in Python, unchanged.
     """
 
     path: Path

@@ -190,10 +190,11 @@ class AccuracyMonitor(MonitoredRun):
         if ended_early and (not found.numbers or ends_without_reason(self)):
             lost = np.full((1, len(self.names)), np.inf)
             found, places = replace(found, numbers=[0], errors=lost), self.places[:1]
-        told = self._judge(places, found, halves, ended_early=ended_early)
-        return self._closer(told) if told.verdict == "accurate" and not ended_early else told
+        judged = self._judge(places, found, halves, ended_early=ended_early)
+        closely = judged.verdict == "accurate" and not ended_early
+        return self._looked_at_closely(judged) if closely else judged
 
-    def _closer(self, told: Accuracy) -> Accuracy:
+    def _looked_at_closely(self, judged: Accuracy) -> Accuracy:
         """Return what is to be said of an accurate run after a look with much shorter steps.
 
         Forces that come and go within a step, or between two windows, show in nothing else. Only
@@ -201,12 +202,12 @@ class AccuracyMonitor(MonitoredRun):
         """
         parts = closer_parts(self.kernel, self.grid) if self.judged.closely and self.kept else None
         if parts is None:
-            return told
+            return judged
         self.divided = parts
         moved = look_again(self, [], np.zeros((0, 0)), ended_early=False)
-        spent = told.extra_steps + moved.extra_steps
+        spent = judged.extra_steps + moved.extra_steps
         if moved.error <= MOVED or moved.failure:
-            return replace(told, extra_steps=spent)
+            return replace(judged, extra_steps=spent)
         advice = recommended_step(self, moved)
         spent += advice.extra_steps
         return Accuracy("inaccurate", moved.error, moved.worst, advice.step, spent, advice.finest)

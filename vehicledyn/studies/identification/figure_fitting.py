@@ -13,10 +13,10 @@ from vehicledyn.base.errors import NumericalError
 from vehicledyn.base.step_memory import Memory
 from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.studies.failed_runs import with_values
+from vehicledyn.studies.figures.run_figures import RunFigures
 from vehicledyn.studies.identification.experiments import Experiment, SampleFit
 from vehicledyn.studies.identification.identified import Unknowns
 from vehicledyn.studies.identification.measured_figures import MeasuredFigure, MeasuredFigures
-from vehicledyn.studies.scenario_figures import RunFigures
 
 Floats = NDArray[np.float64]
 

@@ -18,6 +18,8 @@ from vehicledyn.analyses.sensitivity.known_analyses import RUN, analysis_of
 from vehicledyn.base.errors import InputError, nearest_name
 from vehicledyn.base.problems import Place
 from vehicledyn.files.scenario import LoadedScenario
+from vehicledyn.studies.figures.analysis_figures import AnalysisFigures
+from vehicledyn.studies.figures.run_figures import RunFigures, ScenarioFigures
 from vehicledyn.studies.identification.data_columns import DataColumn, in_si, numbers_of
 from vehicledyn.studies.identification.measured_data import (
     CurveColumns,
@@ -28,7 +30,6 @@ from vehicledyn.studies.identification.measured_data import (
 )
 from vehicledyn.studies.known_names import KnownNames
 from vehicledyn.studies.mistakes import Mistakes
-from vehicledyn.studies.scenario_figures import AnalysisFigures, RunFigures, ScenarioFigures
 from vehicledyn.studies.study_form import StudyForm
 
 Floats = NDArray[np.float64]

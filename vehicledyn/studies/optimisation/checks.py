@@ -15,11 +15,11 @@ from vehicledyn.analyses.sensitivity.known_analyses import RUN, analysis_of
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.base.problems import Place
 from vehicledyn.base.units import shown
+from vehicledyn.studies.figures.by_analysis import quick_figures
 from vehicledyn.studies.known_names import KnownNames, Parameters, unknown_parameter
 from vehicledyn.studies.optimisation.scatter import Scatter
 from vehicledyn.studies.optimisation.study import OptimisationStudy
 from vehicledyn.studies.refused_values import refused_ends
-from vehicledyn.studies.scenario_figures import quick_figures
 
 Floats = NDArray[np.float64]
 

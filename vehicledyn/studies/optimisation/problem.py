@@ -18,6 +18,8 @@ from vehicledyn.base.errors import NumericalError
 from vehicledyn.base.step_memory import Memory
 from vehicledyn.base.units import to_si
 from vehicledyn.studies.failed_runs import with_values
+from vehicledyn.studies.figures.by_analysis import figures_of
+from vehicledyn.studies.figures.run_figures import ScenarioFigures
 from vehicledyn.studies.mistakes import silent
 from vehicledyn.studies.optimisation.checks import (
     check_limits,
@@ -28,7 +30,6 @@ from vehicledyn.studies.optimisation.checks import (
 from vehicledyn.studies.optimisation.figures import Figures
 from vehicledyn.studies.optimisation.scatter import Scatter, combined
 from vehicledyn.studies.optimisation.study import Limit, OptimisationStudy
-from vehicledyn.studies.scenario_figures import ScenarioFigures, figures_of
 
 Floats = NDArray[np.float64]
 

@@ -22,8 +22,9 @@ from vehicledyn.base.step_memory import Memory, Shelf
 from vehicledyn.base.units import to_si
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.results.store.linear_file import Quantity
+from vehicledyn.studies.figures.by_analysis import figures_of
+from vehicledyn.studies.figures.run_figures import ScenarioFigures
 from vehicledyn.studies.mistakes import Mistakes
-from vehicledyn.studies.scenario_figures import ScenarioFigures, figures_of
 from vehicledyn.studies.uncertainty.checks import check_limits, places_of, read_laws
 from vehicledyn.studies.uncertainty.report import Risk, UncertaintyReport
 

@@ -14,10 +14,10 @@ from vehicledyn.base.errors import NumericalError
 from vehicledyn.base.problems import Place
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.studies.distributions import read_law
+from vehicledyn.studies.figures.by_analysis import quick_figures
 from vehicledyn.studies.known_names import KnownNames, Parameters, unknown_parameter
 from vehicledyn.studies.mistakes import Mistakes
 from vehicledyn.studies.refused_values import refused_ends
-from vehicledyn.studies.scenario_figures import quick_figures
 
 MOST_RUNS = 10_000_000
 """Runs of a study."""

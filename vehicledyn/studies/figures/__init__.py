@@ -1,0 +1,1 @@
+"""Figures of scenarios that studies ask for, at any values of parameters."""
